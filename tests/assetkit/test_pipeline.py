@@ -10,15 +10,16 @@ import pytest
 
 from assetkit.options import Options
 from assetkit.pipeline import STAGES, run_stages
-from assetkit.scale.declared_units import UnitDecision
 from assetkit.sources.discover import discover
 from assetkit.stage import Canonical, Draft, Frame, Semantics, Stage, StageResult, Tools
 from assetkit.stage_log import StageLog
+from assetkit.stages.appearance import NormalizeAppearance
 from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.intake import ReadSource
 from assetkit.steps import Pipeline, Refinement, Revision, Step
 from jobs.cache import Cache
 from schemas.asset import RepeatReason, StageEntry
+from schemas.diagnostics import Severity, finding
 from schemas.outcome import ItemOutcome, Outcome
 from sim.fake import FakeSimulator
 from tests.support.bad_inputs.assets import CUBE, LYING_CUP, obj_text
@@ -63,8 +64,8 @@ def test_a_loop_that_would_not_end_is_stopped_and_goes_to_a_person(tmp_path: Pat
     draft, log = run(source(tmp_path), Pipeline((Step(stage, loop),)), tmp_path)
     assert stage.runs == 1 + at_most
     assert (np.linalg.matrix_power(QUARTER.astype(int), at_most) == draft[Canonical].R_AS).all()
-    (finding,) = [d for d in log.diagnostics if d.code == "asset/frame-unsettled"]
-    assert (finding.value, finding.bound, finding.unit) == (at_most + 1, at_most, "repeated passes")
+    (unsettled,) = [d for d in log.diagnostics if d.code == "asset/frame-unsettled"]
+    assert (unsettled.value, unsettled.bound, unsettled.unit) == (at_most + 1, at_most, "repeated passes")
     assert log.outcome is ItemOutcome.REVIEW
     assert [repeated.stages for repeated in log.entries["canonicalize"].repeats] == [("canonicalize",)] * at_most
 
@@ -96,16 +97,19 @@ def test_the_reasons_are_the_same_from_the_store(tmp_path: Path) -> None:
     assert second.history == first.history
 
 
-def test_a_stage_that_fails_in_its_new_frame_ends_the_object(tmp_path: Path) -> None:
-    def into_nothing(draft: Draft) -> Revision:
-        unit = draft[Canonical].meters_per_unit
-        frame = Frame(draft[Canonical].R_AS, UnitDecision(unit.model_copy(update={"value": 1e-12})))
-        return Revision(frame, {RepeatReason.UNIT: {}})
+class FailsInAnotherFrame(Counted):
+    """Gives a value with an error wherever the frame is not that of the file."""
 
-    step = Step(Canonicalize(), Refinement(("canonicalize",), into_nothing, 1))
-    after = Counted(STAGES.stages("appearance")[0])
-    log, tools = StageLog(), Tools(FakeSimulator(), tmp_path, Options())
-    run_stages(source(tmp_path), tools, log, Cache(tmp_path / "store"), "key", Pipeline((step, Step(after))))
+    def run(self, draft: Draft, tools: Tools) -> Outcome[StageResult]:
+        """The result of the stage, with an error in another frame."""
+        error = finding("asset/no-faces", "none here", severity=Severity.ERROR)
+        return replace(super().run(draft, tools), diagnostics=() if draft.frame is None else (error,))
+
+
+def test_a_stage_that_fails_in_its_new_frame_ends_the_object(tmp_path: Path) -> None:
+    step = Step(FailsInAnotherFrame(Canonicalize()), Refinement(("canonicalize",), turned_again, 1))
+    after = Counted(NormalizeAppearance())
+    _, log = run(source(tmp_path), Pipeline((step, Step(after))), tmp_path)
     assert log.rejected
     assert after.runs == 0
-    assert replace(log.entries["canonicalize"], seconds=0.0).repeats[0].reasons == {RepeatReason.UNIT: {}}
+    assert log.entries["canonicalize"].repeats[0].reasons == {RepeatReason.FRONT: {"turn_deg": 90.0}}
