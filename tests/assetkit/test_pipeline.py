@@ -11,7 +11,7 @@ import pytest
 from assetkit.options import Options
 from assetkit.pipeline import STAGES, run_stages
 from assetkit.sources.discover import discover
-from assetkit.stage import Canonical, Draft, Frame, Semantics, Stage, StageResult, Tools
+from assetkit.stage import Appearance, Canonical, Draft, Frame, MissingResult, Semantics, Stage, StageResult, Tools
 from assetkit.stage_log import StageLog
 from assetkit.stages.appearance import NormalizeAppearance
 from assetkit.stages.canonicalize import Canonicalize
@@ -113,3 +113,15 @@ def test_a_stage_that_fails_in_its_new_frame_ends_the_object(tmp_path: Path) -> 
     assert log.rejected
     assert after.runs == 0
     assert log.entries["canonicalize"].repeats[0].reasons == {RepeatReason.FRONT: {"turn_deg": 90.0}}
+
+
+def test_a_result_that_a_stage_does_not_declare_is_refused_in_every_run(tmp_path: Path) -> None:
+    class Undeclared(NormalizeAppearance):
+        reads = ()
+
+        def run(self, draft: Draft, tools: Tools) -> Outcome[Appearance]:
+            draft[Canonical]
+            return super().run(draft, tools)
+
+    with pytest.raises(MissingResult, match="holds no Canonical here"):
+        run(source(tmp_path), Pipeline((Step(Canonicalize()), Step(Undeclared()))), tmp_path)
