@@ -7,17 +7,16 @@ import time
 import traceback
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-from assetkit.acceptance.targeted_repair import repair_until_accepted
+from assetkit.acceptance.targeted_repair import COLLIDER_FAILURES, repair_until_accepted
 from assetkit.annotate.multimodal import UNREACHABLE
 from assetkit.batch.decisions import decision_findings
 from assetkit.batch.human_acceptance import apply_human_acceptance
-from assetkit.geometry.reference_frame import frame_to_front
+from assetkit.geometry.reference_frame import revise_by_front, revise_by_semantics
 from assetkit.options import Options
 from assetkit.package import release
 from assetkit.sources.discover import SourceAsset
-from assetkit.stage import Draft, Intake, IntakeResult, Stage, Tools
+from assetkit.stage import Draft, Intake, IntakeResult, Stage, StageResult, Tools
 from assetkit.stage_log import Entry, StageLog
 from assetkit.stages.acceptance import AcceptPackage
 from assetkit.stages.appearance import NormalizeAppearance
@@ -27,25 +26,30 @@ from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.physics import AuthorPhysics
 from assetkit.stages.previews import RenderPreviews
 from assetkit.stages.semantics import DescribeObject
+from assetkit.steps import Pipeline, Refinement, Retry, Step
 from assetkit.storage import finding_from_exception, storage_failed
 from jobs.cache import Cache, content_key, write_atomically
 from jobs.versions import library_versions
 from schemas import array_files
-from schemas.diagnostics import Diagnostic
+from schemas.asset import RepeatedPass
+from schemas.diagnostics import Diagnostic, finding
 from schemas.outcome import EndpointUse, ItemOutcome, Outcome, Repair
 from schemas.report import ReportItem
 from sim.port import Simulator
 
 INTAKE = ReadSource()
-# Intake turns one file into objects; then every object passes these, in this order; release follows.
-STAGES: tuple[Stage, ...] = (
-    Canonicalize(),
-    NormalizeAppearance(),
-    DescribeObject(),
-    ProposeParts(),
-    AuthorPhysics(),
-    RenderPreviews(),
-    AcceptPackage(),
+# Intake turns one file into objects; then every object passes these, in this order; release follows. What loops, how
+# often at most and through which stages stands here alone: the stages themselves know no order.
+STAGES = Pipeline(
+    (
+        Step(Canonicalize()),
+        Step(NormalizeAppearance()),
+        Step(DescribeObject(), refines=Refinement(("canonicalize",), revise_by_semantics, at_most=1)),
+        Step(ProposeParts(), refines=Refinement(("canonicalize", "interaction"), revise_by_front, at_most=1)),
+        Step(AuthorPhysics()),
+        Step(RenderPreviews()),
+        Step(AcceptPackage(), retries=Retry("physics", COLLIDER_FAILURES, at_most=2)),
+    )
 )
 
 
@@ -127,69 +131,96 @@ def _process_object(draft: Draft, tools: Tools, log: StageLog, out: Path, store:
     log.entries[INTAKE.name] = replace(log.entries[INTAKE.name], version=INTAKE.version, key=key)
 
     def rerun(attempt: Draft, notes: StageLog, first_stage: str) -> Draft | None:
-        position = [s.name for s in STAGES].index(first_stage)
-        before = notes.entries[STAGES[position - 1].name].key if position else key
-        return run_stages(attempt, tools, notes, cache, before, STAGES[position:])
+        previous = STAGES.before(first_stage)
+        before = notes.entries[previous.name].key if previous else key
+        return run_stages(attempt, tools, notes, cache, before, STAGES.from_stage(first_stage))
 
     finished = run_stages(draft, tools, log, cache, key, STAGES)
+    for retry in (step.retries for step in STAGES.steps if step.retries is not None):
+        if finished is not None:
+            finished, log = repair_until_accepted(finished, log, retry, rerun)
     if finished is not None:
-        finished, log = repair_until_accepted(finished, log, rerun)
         log = apply_human_acceptance(log, tools.options)
     if finished is None or log.rejected:
         return log, []
-    folder = release.finish(finished, log, tools.work_dir)
+    package = release.finish(finished, log, tools)
     _require_intact(tools)
-    occupied = release.publish(folder, out / draft.asset_id)
+    occupied = release.publish(package.folder, out / draft.asset_id)
     if occupied is not None:
         log.entries["release"] = Entry((occupied,))
         return log, []
     return log, [draft.asset_id]
 
 
-def run_stages(
-    draft: Draft, tools: Tools, log: StageLog, cache: Cache, key: str, stages: tuple[Stage, ...]
-) -> Draft | None:
-    """The draft as far as `stages` took it, None when one gave no value; `key` chains over the stages."""
-    for stage in stages:
-        key = content_key(key, stage.name, stage.version, tools.options.model_dump(), draft.excluded_colliders)
-        key = content_key(key, library_versions())
-        started = time.monotonic()
-        outcome, cached = _load_or_run(stage, draft, tools, cache, key)
-        before = log.entries.get(stage.name)  # Of a stage that runs again: both count.
-        if outcome.outside is not None:
-            key = content_key(key, outcome.outside.digest)
-        log.entries[stage.name] = Entry(
-            outcome.diagnostics,
-            outcome.repairs,
-            outcome.review,
-            time.monotonic() - started + (before.seconds if before else 0.0),
-            cached,
-            stage.version,
-            key,
-            outcome.outside.use if outcome.outside else None,
-        )
-        if outcome.value is None:
-            return None
-        draft = replace(draft, **{stage.name: outcome.value})
-        if outcome.failed:
-            break
-        if draft.frame is None and draft.semantics is not None and draft.semantics.frame is not None:
-            # Semantics gave another scale or pose: the geometry is observed once more, and only once.
-            known = replace(draft, frame=draft.semantics.frame)
-            observed = run_stages(known, tools, log, cache, key, (Canonicalize(),))
-            if observed is None:
-                return None
-            draft = observed
-        if stage.name == ProposeParts.name and (frame := frame_to_front(draft)) is not None:
-            again = (Canonicalize(), ProposeParts())
-            turned = run_stages(replace(draft, frame=frame), tools, log, cache, key, again)
-            if turned is None:
-                return None
-            draft, key = turned, log.entries[ProposeParts.name].key
+def run_stages(draft: Draft, tools: Tools, log: StageLog, cache: Cache, key: str, pipeline: Pipeline) -> Draft | None:
+    """The draft as far as the stages took it, None when one gave no value; `key` chains over the stages.
+
+    Where a step refines the frame, the stages that it names run again in the new one; its log entry has the reasons.
+    """
+    for step in pipeline.steps[pipeline.start :]:
+        pending: tuple[Stage, ...] = (step.stage,)
+        while pending:
+            for stage in pending:
+                outcome = _logged_run(stage, draft, tools, log, cache, key)
+                if outcome.value is None:
+                    return None
+                draft, key = draft.with_result(outcome.value), log.entries[stage.name].key
+                if outcome.failed:
+                    return draft
+            draft, pending = _refined(step, draft, log, pipeline)
+        key = log.entries[step.name].key
     return draft
 
 
-def _load_or_run(stage: Stage, draft: Draft, tools: Tools, cache: Cache, key: str) -> tuple[Outcome[Any], bool]:
+def _refined(step: Step, draft: Draft, log: StageLog, pipeline: Pipeline) -> tuple[Draft, tuple[Stage, ...]]:
+    """The draft in the frame that a step has decided, and the stages to run again in it; none when nothing changes.
+
+    A draft that would be revised more often than its step allows keeps its frame and goes to a person.
+    """
+    loop = step.refines
+    revision = loop.revise(draft) if loop is not None else None
+    if loop is None or revision is None:
+        return draft, ()
+    entry = log.entries[step.name]
+    if len(entry.repeats) >= loop.at_most:
+        headline = f"{step.name} would turn or scale the object again after each look: {', '.join(revision.reasons)}"
+        unsettled = finding(
+            "asset/frame-unsettled", headline, value=len(entry.repeats) + 1, bound=loop.at_most, unit="repeated passes"
+        )
+        log.entries[step.name] = replace(entry, diagnostics=(*entry.diagnostics, unsettled), review=True)
+        return draft, ()
+    reasons = {reason: dict(values) for reason, values in revision.reasons.items()}
+    repeated = RepeatedPass(stages=loop.repeats, reasons=reasons)
+    log.entries[step.name] = replace(entry, repeats=(*entry.repeats, repeated))
+    return replace(draft, frame=revision.frame), pipeline.stages(*loop.repeats)
+
+
+def _logged_run(
+    stage: Stage, draft: Draft, tools: Tools, log: StageLog, cache: Cache, key: str
+) -> Outcome[StageResult]:
+    """The outcome of one stage, made or from the store; its entry in the log replaces that of an earlier pass."""
+    key = content_key(key, stage.name, stage.version, tools.options.model_dump(), draft.excluded_colliders)
+    key = content_key(key, library_versions())
+    started = time.monotonic()
+    outcome, cached = _load_or_run(stage, draft.limited_to(stage.reads), tools, cache, key)
+    before = log.entries.get(stage.name, Entry())  # Of a stage that runs again: time and causes of both count.
+    if outcome.outside is not None:
+        key = content_key(key, outcome.outside.digest)
+    log.entries[stage.name] = Entry(
+        outcome.diagnostics,
+        outcome.repairs,
+        outcome.review,
+        time.monotonic() - started + before.seconds,
+        cached,
+        stage.version,
+        key,
+        outcome.outside.use if outcome.outside else None,
+        before.repeats,
+    )
+    return outcome
+
+
+def _load_or_run(stage: Stage, draft: Draft, tools: Tools, cache: Cache, key: str) -> tuple[Outcome[StageResult], bool]:
     """The stage's outcome and whether it came from the store. A damaged entry is made again."""
     value_file, note_file = (cache.path(stage.name, key, suffix) for suffix in (".npz", ".note.npz"))
     if value_file.exists() and note_file.exists():
@@ -201,7 +232,7 @@ def _load_or_run(stage: Stage, draft: Draft, tools: Tools, cache: Cache, key: st
         else:
             return Outcome(value, note.diagnostics, note.repairs, note.review), True
     findings = stage.accepts(draft)
-    outcome = stage.run(draft, tools) if not findings else Outcome(None, tuple(findings))
+    outcome: Outcome[StageResult] = stage.run(draft, tools) if not findings else Outcome(None, tuple(findings))
     _require_intact(tools)
     if outcome.value is not None and outcome.outside is None:
         array_files.save(outcome.value, stage.result, value_file)
@@ -209,7 +240,7 @@ def _load_or_run(stage: Stage, draft: Draft, tools: Tools, cache: Cache, key: st
     return outcome, False
 
 
-def _identity(item: Intake) -> list[Any]:
+def _identity(item: Intake) -> list[object]:
     """The inputs of the object for the cache key: files, format, folders, hints and the size of each mesh."""
     shapes = [(m.name, len(m.points), len(m.triangles), m.points.min(), m.points.max()) for m in item.model.meshes]
     return [[f.model_dump() for f in item.files], item.format, item.folders, item.model.hints, shapes]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol, TypeVar
 
 from pydantic import ConfigDict
 
 from assetkit.options import Options
+from assetkit.package.package import LastPackage
 from assetkit.pose.front import Front
 from assetkit.scale.declared_units import UnitDecision
 from geom.features.cavities import Cavity
@@ -162,12 +163,33 @@ class Acceptance:
     section: AcceptanceSection
     anchors: tuple[Evidence[Anchor], ...] = ()
     affordances: tuple[AffordanceEvidence, ...] = ()
-    images: dict[str, bytes] = field(default_factory=dict)
+    images: dict[str, bytes] = field(default_factory=dict[str, bytes])
+
+
+StageResult = Canonical | Appearance | Semantics | Interaction | Physics | Previews | Acceptance
+R = TypeVar("R", bound=StageResult)
+# The field of a draft that holds a result of each type; it bears the name of the stage that makes it.
+RESULT_FIELDS: dict[type[StageResult], str] = {
+    Canonical: "canonicalize",
+    Appearance: "appearance",
+    Semantics: "semantics",
+    Interaction: "interaction",
+    Physics: "physics",
+    Previews: "previews",
+    Acceptance: "acceptance",
+}
+
+
+class MissingResult(LookupError):
+    """A stage reads a result that the draft does not hold, or that the stage does not declare in `reads`."""
 
 
 @dataclass(frozen=True)
 class Draft:
-    """One asset in the pipeline. Each field is the result of the stage of that name, None until it has run."""
+    """One asset in the pipeline. Each field is the result of the stage of that name, None until it has run.
+
+    `draft[Physics]` is the result of that type; it raises MissingResult while there is none.
+    """
 
     asset_id: str
     source_name: str
@@ -181,6 +203,20 @@ class Draft:
     acceptance: Acceptance | None = None
     excluded_colliders: tuple[str, ...] = ()
     frame: Frame | None = None
+
+    def __getitem__(self, result: type[R]) -> R:
+        value: object = getattr(self, RESULT_FIELDS[result])
+        if not isinstance(value, result):
+            raise MissingResult(f"the draft of '{self.asset_id}' holds no {result.__name__} here")
+        return value
+
+    def with_result(self, value: StageResult) -> Draft:
+        """The draft with the result of one stage."""
+        return replace(self, **{RESULT_FIELDS[type(value)]: value})
+
+    def limited_to(self, reads: tuple[type[StageResult], ...]) -> Draft:
+        """The draft as a stage may see it: without the results that it does not read."""
+        return replace(self, **{name: None for result, name in RESULT_FIELDS.items() if result not in reads})
 
     @property
     def model(self) -> Model:
@@ -203,7 +239,8 @@ class Tools:
     """Resources of the stages: the simulator, a scratch folder, the user's options, a store of models' answers.
 
     With `endpoint_lost` the endpoint was out of reach for another object of the file and is left alone. `mark` is a
-    file beside the scratch folder; results are stored only while it exists.
+    file beside the scratch folder; results are stored only while it exists. `last_package` remembers the package that
+    lies in the scratch folder.
     """
 
     simulator: Simulator
@@ -212,26 +249,24 @@ class Tools:
     answers: Cache | None = None
     endpoint_lost: bool = False
     mark: Path | None = None
+    last_package: LastPackage = field(default_factory=LastPackage)
 
 
 class Stage(Protocol):
-    """One step. `version` is bumped whenever the output for the same input may change."""
+    """One step. `version` is bumped whenever the output for the same input may change.
+
+    `reads` are the types of the earlier results that it uses; it sees no others.
+    """
 
     name: str
     version: int
-    result: type[Any]
+    result: type[StageResult]
+    reads: tuple[type[StageResult], ...] = ()
 
     def accepts(self, draft: Draft) -> list[Diagnostic]:
         """Cheap findings that forbid running; none unless a stage overrides this. No side effects."""
         return []
 
-    def run(self, draft: Draft, tools: Tools) -> Outcome[Any]:
+    def run(self, draft: Draft, tools: Tools) -> Outcome[StageResult]:
         """The stage's result, an instance of `result`."""
         ...
-
-
-def need(value: Any, stage: str) -> Any:
-    """`value`, or a RuntimeError naming the stage that should have made it: an ordering bug, never bad input."""
-    if value is None:
-        raise RuntimeError(f"stage '{stage}' has not run")
-    return value

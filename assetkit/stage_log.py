@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from schemas.asset import StageEntry
+from schemas.asset import RepeatedPass, StageEntry
 from schemas.diagnostics import Diagnostic, Severity
 from schemas.outcome import EndpointUse, ItemOutcome, Repair
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One stage's findings and time; `key` is its cache key, empty for steps that are not stored."""
+    """One stage's findings and time; `key` is its cache key, empty for steps that are not stored.
+
+    `repeats` are the passes that ran again because of what the stage found, with the reasons.
+    """
 
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
@@ -21,13 +24,14 @@ class Entry:
     version: int = 0
     key: str = ""
     endpoint: EndpointUse | None = None
+    repeats: tuple[RepeatedPass, ...] = ()
 
 
 @dataclass
 class StageLog:
     """Entries by stage name, in the order of running. Written by the pipeline only."""
 
-    entries: dict[str, Entry] = field(default_factory=dict)
+    entries: dict[str, Entry] = field(default_factory=dict[str, Entry])
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
@@ -43,7 +47,9 @@ class StageLog:
     def history(self) -> tuple[StageEntry, ...]:
         """The stored stages with version and key."""
         return tuple(
-            StageEntry(name=name, version=e.version, key=e.key[:16]) for name, e in self.entries.items() if e.key
+            StageEntry(name=name, version=e.version, key=e.key[:16], repeats=e.repeats)
+            for name, e in self.entries.items()
+            if e.key
         )
 
     @property

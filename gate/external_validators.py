@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 from pxr import UsdValidation
 
+from schemas.diagnostics import InvalidInput
 from usdio.quiet import quiet
 from usdio.stage import open_stage
 
@@ -49,13 +50,14 @@ def external_verdicts(main_file: Path) -> tuple[ValidatorVerdict, ...]:
     A validator that raises has not passed the file: its error is its finding. Raises InvalidInput
     (`asset/package-invalid`) when the file cannot be opened.
     """
-    open_stage(main_file)
     return tuple(_run_validator(name, validate, main_file) for name, validate in VALIDATORS)
 
 
 def _run_validator(name: str, validate: Callable[[Path], ValidatorVerdict], main_file: Path) -> ValidatorVerdict:
     try:
         return validate(main_file)
+    except InvalidInput:  # No file to judge.
+        raise
     except Exception as error:  # Code of others, on any file.
         message = f"the judge itself fails on this file: {type(error).__name__}: {error}"[:300]
         return ValidatorVerdict(name, False, (ValidatorIssue("unjudged", message),))

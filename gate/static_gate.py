@@ -208,4 +208,4 @@ def _findings(rule: Rule, subject: Subject) -> tuple[Diagnostic, ...]:
         return (finding("asset/package-invalid", "OpenUSD refuses a value in the file", value=reason[:300]),)
     except Exception as error:  # An error of one rule on an unforeseen file must not hide the findings of the others.
         value = f"{type(error).__name__}: {error}"[:300]
-        return (finding("asset/internal-error", f"the rule {rule.code} failed", value=value),)
+        return (finding("asset/internal-error", f"the rule {rule.code.name} failed", value=value),)

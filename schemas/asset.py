@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -287,12 +288,28 @@ class AcceptanceSection(_Section):
     validators: tuple[Check, ...] = ()
 
 
+class RepeatReason(StrEnum):
+    """Why stages ran once more on an object, and the values that a record gives with it."""
+
+    UNIT = "unit"  # the category decides the unit: meters_per_unit_before, meters_per_unit_after
+    WAY_UP = "way_up"  # another direction of the source is up: turn_deg
+    FRONT = "front"  # the front lies elsewhere than along +x: turn_deg about z, confidence
+
+
+class RepeatedPass(_Section):
+    """Stages that ran once more, in another frame, and the reasons with their values by name and unit."""
+
+    stages: tuple[str, ...]
+    reasons: dict[RepeatReason, dict[str, float]]
+
+
 class StageEntry(_Section):
-    """One line of the stage history: which stage ran, in which version, under which key."""
+    """One line of the stage history: which stage ran, in which version, under which key; which passes it caused."""
 
     name: str
     version: int
     key: str
+    repeats: tuple[RepeatedPass, ...] = Field(default=(), exclude_if=lambda passes: not passes)
 
 
 class AssetRecord(_Section):

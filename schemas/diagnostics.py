@@ -12,6 +12,7 @@ from enum import StrEnum
 from pydantic import BaseModel, ConfigDict
 
 from schemas.codes import CODES
+from schemas.codes.code_info import DiagnosticCode
 
 
 class Severity(StrEnum):
@@ -81,7 +82,7 @@ def any_error(diagnostics: Iterable[Diagnostic]) -> bool:
 
 
 def finding(
-    code: str,
+    code: str | DiagnosticCode,
     headline: str,
     *,
     where: Location | None = None,
@@ -92,13 +93,13 @@ def finding(
     because: tuple[Diagnostic, ...] = (),
     severity: Severity | None = None,
 ) -> Diagnostic:
-    """A diagnostic with the severity and help of its code's entry in `schemas.codes`.
+    """A diagnostic with the severity and help of its code: of the one given, or of the entry in `schemas.codes`.
 
-    Raises KeyError for an unknown code, so that a code cannot exist without its page.
+    Raises KeyError for an unknown name, so that a code cannot exist without its page.
     """
-    info = CODES[code]
+    name, info = (code.name, code.info) if isinstance(code, DiagnosticCode) else (code, CODES[code])
     return Diagnostic(
-        code=code,
+        code=name,
         severity=severity or Severity(info.severity),
         headline=headline,
         where=where or Location(),

@@ -5,15 +5,18 @@ All values are immutable; editing means `dataclasses.replace`. Arrays are not co
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from pydantic import ConfigDict
 
 from schemas.arrays import Float32Array, FloatArray, IntArray
 from schemas.evidence import Evidence
+from schemas.identifiers import unique_identifiers
 from schemas.stated_physics import StatedContact, StatedMass
 
+MESH_FALLBACK = "mesh"  # The id of a mesh whose name has no letter or digit.
 Axis = Literal["x", "y", "z"]
 Channel = Literal["r", "g", "b", "a", "rgb"]
 AlphaMode = Literal["opaque", "mask", "blend"]
@@ -90,6 +93,8 @@ class Mesh:
     colors     (m, 3, 4) float32 linear RGBA, or None.
     material   index into Model.materials, or None.
     source_path  where the mesh stood in the source hierarchy, e.g. "/scene/handle/mesh_0".
+    id         an identifier, unique within the model; given once, at intake (`Model.with_mesh_ids`), empty before.
+               Parts, USD prims and files refer to the mesh by it.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -102,6 +107,7 @@ class Mesh:
     colors: Float32Array | None = None
     material: int | None = None
     source_path: str = ""
+    id: str = ""
 
 
 @dataclass(frozen=True)
@@ -142,3 +148,16 @@ class Model:
     def triangle_count(self) -> int:
         """Triangles over all meshes."""
         return sum(len(m.triangles) for m in self.meshes)
+
+    def with_mesh_ids(self) -> Model:
+        """The model with an id for every mesh, made from its name; ids that meshes had are replaced."""
+        ids = unique_identifiers((mesh.name for mesh in self.meshes), MESH_FALLBACK)
+        return replace(self, meshes=tuple(replace(m, id=i) for m, i in zip(self.meshes, ids, strict=True)))
+
+    @property
+    def meshes_by_id(self) -> Mapping[str, Mesh]:
+        """The meshes by their ids, in order. Raises ValueError unless every mesh has an id of its own."""
+        result = {mesh.id: mesh for mesh in self.meshes}
+        if "" in result or len(result) < len(self.meshes):
+            raise ValueError("meshes of a model without ids of their own; `with_mesh_ids` gives them")
+        return result

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict
 
 from schemas.diagnostics import Diagnostic, Severity
 
-T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
 INTAKE = "intake"  # the stage under which readers record their repairs
 
 
@@ -72,14 +72,14 @@ class ExternalAnswer:
 
 
 @dataclass(frozen=True)
-class Outcome(Generic[T]):
+class Outcome(Generic[T_co]):
     """A stage's result: a value, or None when an error-severity diagnostic ended the item.
 
     `review` means that a person must decide; its diagnostics state the question. With `outside` the result does not
     follow from files and options alone, so it is not stored.
     """
 
-    value: T | None
+    value: T_co | None
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()
     review: bool = False

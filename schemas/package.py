@@ -11,6 +11,8 @@ from schemas.model import Model
 from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, SurfaceMaterial
 
+GraspLines = tuple[tuple[Point3, Point3], ...]  # The two ends of the line of each grasp, asset frame, metres.
+
 
 @dataclass(frozen=True)
 class PackageContent:
@@ -40,5 +42,5 @@ class PackageContent:
     thumbnail_png: bytes
     surfaces: tuple[SurfaceMaterial, ...] = ()
     shape_surfaces: tuple[int, ...] = ()
-    grasp_lines_m: tuple[tuple[Point3, Point3], ...] = ()
+    grasp_lines_m: GraspLines = ()
     parts: tuple[Part, ...] = ()

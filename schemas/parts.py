@@ -22,7 +22,7 @@ class _Model(BaseModel):
 
 
 class PartFaces(_Model):
-    """Triangles of one visual mesh. `mesh` is the name of its prim below `Visuals`.
+    """Triangles of one visual mesh. `mesh` is its id, which its prim below `Visuals` has as its name.
 
     `ranges` lists indices and inclusive runs, rising: `0-11 15 20-33`. The mesh's triangles are counted as it was
     handed to the USD writer; `UsdGeom.Subset` of the part's name follows where the writer had to list them otherwise.

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from assetkit.acceptance.judge_body import AcceptanceResult, accept
+from assetkit.package.package import Package, reread
 from gate.external_validators import ValidatorIssue, external_verdicts
 from gate.static_gate import gate
 from schemas.asset import AcceptanceSection, Check, Vec3
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
 from sim.port import Simulator
-from usdio.reread.body import reread_body, reread_visual
+from usdio.reread.body import RereadPackage
 
 # Either the unit of the source or its category is wrong, or the object is a toy: a person must decide.
 UNDECIDED = frozenset({"asset/gate-category-size"})
@@ -25,16 +26,11 @@ UNDECIDED = frozenset({"asset/gate-category-size"})
 OF_STAND_INS = frozenset({"asset/gate-collider-astray", "asset/gate-collider-displaced"})
 
 
-def package_files(main_file: Path) -> tuple[Path, ...]:
-    """The files of the package with this main file, as they are on disk."""
-    return tuple(sorted(p for p in main_file.parent.parent.rglob("*") if p.is_file()))
-
-
-def require_files(paths: tuple[Path, ...]) -> None:
+def require_files(package: Package) -> None:
     """Raises FileNotFoundError for the first file that is missing: a verdict would not be about the whole package."""
-    for path in paths:
-        if not path.is_file():
-            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+    for name in package.hashes:
+        if not (package.folder / name).is_file():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(package.folder / name))
 
 
 @dataclass(frozen=True)
@@ -53,12 +49,14 @@ def judge_package(
 
     `stands_in`: the collider is a stand-in that misses its bounds, so that a person reviews the package anyway.
     """
-    return judge_bytes(main_file, simulate_package(main_file, simulator, extent_m), collider_misses_bounds)
+    simulated = simulate_package(main_file, reread(main_file), simulator, extent_m)
+    return judge_bytes(main_file, simulated, collider_misses_bounds)
 
 
-def simulate_package(main_file: Path, simulator: Simulator, extent_m: Vec3) -> AcceptanceResult:
-    """Acceptance of the body of a package, as re-read from disk, in the simulator."""
-    return accept(main_file, simulator, body=reread_body(main_file), visual=reread_visual(main_file), extent_m=extent_m)
+def simulate_package(main_file: Path, content: RereadPackage, simulator: Simulator, extent_m: Vec3) -> AcceptanceResult:
+    """Acceptance of the body of a package, whose `content` was re-read from disk, in the simulator."""
+    visual = content.visual_points, content.visual_triangles
+    return accept(main_file, simulator, body=content.body, visual=visual, extent_m=extent_m)
 
 
 def judge_bytes(main_file: Path, simulated: AcceptanceResult, collider_misses_bounds: bool) -> PackageVerdict:

@@ -14,7 +14,7 @@ from assetkit.affordances.grasp_trials import TRIED, try_grasps
 from assetkit.affordances.grasps import propose_grasps
 from assetkit.affordances.named_regions import part_at
 from assetkit.affordances.regions import find_regions, upright_requirement
-from assetkit.stage import Draft, need
+from assetkit.stage import Canonical, Draft, Interaction, Semantics
 from schemas.affordances import AffordanceEvidence, Grasp, Region
 from schemas.anchors import Anchor
 from schemas.asset import StablePose
@@ -49,7 +49,7 @@ def find_affordances(
 
     No grasp is tried on a body that is not `sound` in simulation, because its colliders do not match its surface.
     """
-    canonical, interaction = need(draft.canonicalize, "canonicalize"), need(draft.interaction, "interaction")
+    canonical, interaction = draft[Canonical], draft[Interaction]
     regions = find_regions(canonical.solid, anchors, interaction.parts)
     if not sound:
         return AffordanceResult(regions)
@@ -84,7 +84,7 @@ def with_grasps(region: Evidence[Region], grasps: Sequence[Evidence[Grasp]]) -> 
 
 def _fixed(draft: Draft) -> str | None:
     """The reason why an object is not to be picked up, in words: its usual role is that of a fixture."""
-    roles = need(draft.semantics, "semantics").section.roles
+    roles = draft[Semantics].section.roles
     if roles and roles[0].value == "fixture" and roles[0].confidence > 0.5:
         return "a fixture stays where it is"
     return None

@@ -9,14 +9,14 @@ import numpy as np
 from assetkit.annotate.annotator import Observation
 from assetkit.annotate.shape_check import shape_of
 from assetkit.scale.declared_units import is_reliable
-from assetkit.stage import Draft, need
+from assetkit.stage import Canonical, Draft
 
 _TITLES = ("title", "name")
 
 
 def observe(draft: Draft) -> Observation:
     """What an annotator sees of a canonical object, but for its pictures."""
-    canonical, model = need(draft.canonicalize, "canonicalize"), draft.model
+    canonical, model = draft[Canonical], draft.model
     paths = [mesh.source_path for mesh in canonical.meshes]
     nodes = (*(part for path in paths for part in PurePosixPath(path).parts), *(mesh.name for mesh in canonical.meshes))
     return Observation(

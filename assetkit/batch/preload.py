@@ -3,7 +3,9 @@
 The environment variable `MANA_ENGINE` names the engine to import as well (`sim.named_engine`).
 """
 
+import importlib
 import os
+import pkgutil
 import sys
 import tempfile
 from pathlib import Path
@@ -15,6 +17,7 @@ sys.modules.setdefault("open3d.visualization", ModuleType("open3d.visualization"
 from manifold3d import Manifold  # noqa: E402
 
 import assetkit.pipeline  # noqa: E402
+import assetkit.readers  # noqa: E402
 import render.views  # noqa: E402, F401
 from gate.external_validators import external_verdicts  # noqa: E402
 from geom.mesh.surface_distance import NearestOnSurface  # noqa: E402
@@ -22,7 +25,10 @@ from jobs.versions import library_versions  # noqa: E402
 from render.request import RenderRequest  # noqa: E402
 from schemas import array_files  # noqa: E402
 from sim.named_engine import load_engine  # noqa: E402
+from usdio.read.asset import read_stage  # noqa: E402, F401
 
+for _module in pkgutil.walk_packages(assetkit.readers.__path__, "assetkit.readers."):
+    importlib.import_module(_module.name)  # Formats load their readers with the first file only.
 library_versions()
 if engine := os.environ.get("MANA_ENGINE"):
     load_engine(engine)
@@ -31,7 +37,11 @@ if engine := os.environ.get("MANA_ENGINE"):
 _ball = Manifold.sphere(1.0, 48).hull().to_mesh()
 NearestOnSurface(_ball.vert_properties[:, :3], _ball.tri_verts)(_ball.vert_properties[:, :3])
 
-for _type in (assetkit.pipeline.StoredNotes, RenderRequest, *(stage.result for stage in assetkit.pipeline.STAGES)):
+for _type in (
+    assetkit.pipeline.StoredNotes,
+    RenderRequest,
+    *(step.stage.result for step in assetkit.pipeline.STAGES.steps),
+):
     array_files.adapter(_type)
 
 # Validators load most of what they need with the first file that they see.

@@ -15,12 +15,13 @@ from assetkit.pose.upright import UprightCandidate, least_probability, rank_upri
 from assetkit.scale.declared_units import UnitDecision, is_reliable, with_repair
 from assetkit.scale.metric_scale import ScaleEstimate, estimate_scale, is_normalised
 from assetkit.scale.size_prior import CATEGORY_PRECISION
-from assetkit.stage import Canonical, Draft, Frame, need
+from assetkit.stage import Canonical, Draft, Frame, Interaction, Semantics
+from assetkit.steps import Revision
 from assetkit.taxonomy.tables import Category
 from geom.features.upright_directions import upright_features
 from geom.pose import shortest_rotation
 from schemas.arrays import FloatArray
-from schemas.asset import UprightHypothesis, vec3
+from schemas.asset import RepeatReason, UprightHypothesis, vec3
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, default, inferred
 from schemas.outcome import Repair
@@ -45,7 +46,7 @@ def reference_frame(
     draft: Draft, category: Category | None, edges_m: tuple[float, float, float], options: Options
 ) -> FrameEstimate:
     """Scale and way up of a canonical object whose smallest box has sorted `edges_m`; `category` None when unknown."""
-    canonical: Canonical = need(draft.canonicalize, "canonicalize")
+    canonical = draft[Canonical]
     scale = _scale(draft, canonical, category, edges_m)
     unit = _decision(scale, draft, known=category is not None) if scale is not None else None
     candidates = rank_upright(upright_features(canonical.solid), category, canonical.up_axis)
@@ -70,15 +71,37 @@ def reference_frame(
     return FrameEstimate(scale.meters_per_unit if scale else None, upright, listed, frame, findings)
 
 
-def frame_to_front(draft: Draft) -> Frame | None:
+def revise_by_semantics(draft: Draft) -> Revision | None:
+    """The frame that semantics decided, once; None where it keeps that of the file or another one holds already."""
+    frame = draft[Semantics].frame
+    if draft.frame is not None or frame is None:
+        return None
+    canonical = draft[Canonical]
+    reasons: dict[RepeatReason, dict[str, float]] = {}
+    if frame.unit is not None:
+        before, after = canonical.meters_per_unit.value, frame.unit.meters_per_unit.value
+        reasons[RepeatReason.UNIT] = {"meters_per_unit_before": before, "meters_per_unit_after": after}
+    if (turn_deg := angle_deg(frame.R_AS @ canonical.R_AS.T)) > 0.0:
+        reasons[RepeatReason.WAY_UP] = {"turn_deg": turn_deg}
+    return Revision(frame, reasons)
+
+
+def revise_by_front(draft: Draft) -> Revision | None:
     """The frame in which the front that the interaction stage found is +x; None when it already is, or is unknown."""
-    canonical: Canonical = need(draft.canonicalize, "canonicalize")
-    front = need(draft.interaction, "interaction").front
+    canonical, front = draft[Canonical], draft[Interaction].front
     turned = None if front is None else turn_to_front(front)
     if turned is None:
         return None
     R, front = turned
-    return replace(draft.frame or Frame(canonical.R_AS), R_AS=R @ canonical.R_AS, front=front)
+    frame = replace(draft.frame or Frame(canonical.R_AS), R_AS=R @ canonical.R_AS, front=front)
+    reason = {"turn_deg": angle_deg(R), "confidence": front.direction.confidence}
+    return Revision(frame, {RepeatReason.FRONT: reason})
+
+
+def angle_deg(R: FloatArray) -> float:
+    """The angle (degrees, 0 to 180) of a rotation (3, 3), to 1e-4 degrees."""
+    sine = np.linalg.norm([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    return round(float(np.degrees(np.arctan2(sine, np.trace(R) - 1.0))), 4)
 
 
 def _scale(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from assetkit.mass.bounds import MAX_SPAN, mean_thickness
 from assetkit.mass.excluded_materials import excluded_materials
+from assetkit.readers.by_format import CAD_FORMATS
 from geom.convex.hull import convex_hull
 from geom.mesh.surface_distance import triangle_areas
 from schemas.evidence import Evidence, default
@@ -20,7 +21,6 @@ USUAL_KGM3, USUAL_SIZE_M = 500.0, 0.1
 # A part from CAD is drawn with its walls, and what looks like bare metal is of metal: solid steel up to 10 cm.
 DENSE_FACTOR = 3.0
 DENSEST_KGM3 = 8100.0  # Stainless steel, as in `materials.csv`.
-CAD_FORMATS = ("stl",)
 METALLIC, METALLIC_SHARE = 0.5, 0.5
 
 

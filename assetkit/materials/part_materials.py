@@ -36,7 +36,7 @@ def part_materials(
     file_name: str,
     folders: Sequence[str] = (),
 ) -> tuple[tuple[Evidence[Part], ...], Evidence[str]]:
-    """`parts` with their materials, and the material of the whole; `meshes` of `model` by prim name.
+    """`parts` with their materials, and the material of the whole; `meshes` of `model` by id.
 
     Names of nodes and render materials count for the part, that of the file and its folders for the whole.
     """
@@ -67,7 +67,7 @@ def face_materials(
     the evidence of the largest.
     """
     materials = [whole]
-    of_face = {prim: np.zeros(len(mesh.triangles), dtype=np.int64) for prim, mesh in meshes.items()}
+    of_face = {mesh_id: np.zeros(len(mesh.triangles), dtype=np.int64) for mesh_id, mesh in meshes.items()}
     for part in sorted((p.value for p in parts), key=lambda p: (-p.area_m2, p.part_id)):
         if part.material.value == UNKNOWN:
             continue

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,21 +13,18 @@ import numpy as np
 from assetkit.acceptance.judge_package import PackageVerdict, judge_package
 from assetkit.affordances.grasp_trials import without_trial
 from assetkit.measured.extend_record import extended_section
+from assetkit.package.package import AddExtension, Package, RewritePhysics, WriteRecord
 from assetkit.package.record import RECORD, read_record
 from assetkit.package.release import publish
-from assetkit.package.write_urdf import rewrite_urdf
-from jobs.cache import content_key, file_sha256
+from jobs.cache import content_key
 from schemas.asset import AssetRecord, PhysicsSection, StageEntry
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
 from schemas.measured_physics import MeasuredPhysics
 from schemas.outcome import ItemOutcome
 from schemas.physics import MassProperties
 from sim.port import Simulator
-from usdio.reread.body import reread_body, reread_shape_contacts
-from usdio.write.rewrite_physics import rewrite_physics
 
 NAME, VERSION = "extend", 1
-EXTENSION = "extension.json"
 # Findings of acceptance; they are replaced by those of the extended package.
 _ACCEPTANCE_CODES = (
     "asset/gate-",
@@ -70,26 +68,20 @@ def extend_package(package: Path, measured: MeasuredPhysics, out: Path, simulato
         folder = Path(place) / record.asset_id
         shutil.copytree(package, folder)
         (folder / RECORD).unlink()
-        main_file = main_file_of(folder, record)
         section = extended_section(record.physics, measured)
         mass = MassProperties(
             section.mass_kg.value, np.array(section.centre_of_mass_m.value), np.array(section.inertia_kgm2.value)
         )
         contact = section.contacts[0].value
         changed = contact if contact != record.physics.contacts[0].value else None
-        rewrite_physics(main_file, mass, changed, section.density_kgm3.value / record.physics.density_kgm3.value)
-        rewrite_urdf(
-            reread_body(main_file),
-            _urdf_file(folder, record),
-            measured.urdf_contact,
-            reread_shape_contacts(main_file),
-        )
-        (folder / EXTENSION).write_bytes(measured.extension_json)
+        density_factor = section.density_kgm3.value / record.physics.density_kgm3.value
+        made = Package.on_disk(folder).edited(RewritePhysics(mass, changed, density_factor, measured.urdf_contact))
+        made = made.edited(AddExtension(measured.extension_json))
         verdict = judge_package(
-            main_file, simulator, record.geometry.extent_m.value, record.physics.collider_misses_bounds
+            made.main_file, simulator, record.geometry.extent_m.value, record.physics.collider_misses_bounds
         )
-        extended = _record(record, section, verdict, measured, folder)
-        (folder / RECORD).write_text(extended.model_dump_json(indent=1) + "\n")
+        extended = _record(record, section, verdict, measured, made.hashes)
+        made.edited(WriteRecord(extended))
         occupied = None if extended.outcome is ItemOutcome.REJECTED else publish(folder, out / record.asset_id)
     diagnostics = (*verdict.diagnostics, *((occupied,) if occupied else ()))
     refused = occupied is not None or extended.outcome is ItemOutcome.REJECTED
@@ -97,14 +89,17 @@ def extend_package(package: Path, measured: MeasuredPhysics, out: Path, simulato
 
 
 def _record(
-    record: AssetRecord, section: PhysicsSection, verdict: PackageVerdict, measured: MeasuredPhysics, folder: Path
+    record: AssetRecord,
+    section: PhysicsSection,
+    verdict: PackageVerdict,
+    measured: MeasuredPhysics,
+    hashes: Mapping[str, str],
 ) -> AssetRecord:
     """The old record with the new physics, verdict, history and hashes; an object under review stays under review."""
     outcome = ItemOutcome.REVIEW if verdict.review else record.outcome
     if any(d.severity is Severity.ERROR for d in verdict.diagnostics):
         outcome = ItemOutcome.REJECTED
     key = content_key(NAME, VERSION, [e.key for e in record.history], measured.extension_json.decode())
-    hashes = {p.relative_to(folder).as_posix(): file_sha256(p) for p in sorted(folder.rglob("*")) if p.is_file()}
     earlier = tuple(d for d in record.diagnostics if not d.code.startswith(_ACCEPTANCE_CODES))
     return record.model_copy(
         update={
@@ -114,7 +109,7 @@ def _record(
             "affordances": tuple(without_trial(e) for e in record.affordances),
             "diagnostics": (*earlier, *verdict.diagnostics),
             "history": (*record.history, StageEntry(name=NAME, version=VERSION, key=key[:16])),
-            "hashes": hashes,
+            "hashes": dict(hashes),
         }
     )
 

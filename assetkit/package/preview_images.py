@@ -21,7 +21,6 @@ from schemas.arrays import IntArray
 from schemas.model import Model
 from schemas.parts import Part
 from schemas.physics import CollisionShape
-from usdio.write.meshes import mesh_prim_names
 
 LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
@@ -59,11 +58,11 @@ def _shown(model: Model, parts: Sequence[Part]) -> tuple[tuple[str, ...], IntArr
     lines = [f"{label} x{count[label]}" if count[label] > 1 else label for label in order]
     legend = tuple(f"{line}  {sure[name]:.2f}" if sure[name] else line for line, name in zip(lines, order, strict=True))
     of_mesh = []
-    for prim, mesh in zip(mesh_prim_names(model), model.meshes, strict=True):
+    for mesh_id, mesh in model.meshes_by_id.items():
         index = np.full(len(mesh.triangles), -1, dtype=np.int64)
         for part in sorted(parts, key=lambda p: -p.area_m2):
             known = part.label.confidence > 0.0
-            mask = part.mask(prim, len(index))
+            mask = part.mask(mesh_id, len(index))
             # An unlabelled region within a labelled one would hide its colour.
             index[mask if known else mask & (index == -1)] = order.index(part.label.value)
         of_mesh.append(index)

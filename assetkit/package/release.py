@@ -3,60 +3,69 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Mapping
 from pathlib import Path
 
 from assetkit.affordances.grasp_trials import grasp_lines
-from assetkit.package.record import RECORD, read_record
+from assetkit.package.package import AddGrasps, AddPreviews, Package, WriteRecord, reread
+from assetkit.package.record import read_record
 from assetkit.package.write_urdf import write_urdf
-from assetkit.stage import Draft, need
+from assetkit.stage import Acceptance, Appearance, Canonical, Draft, Interaction, Physics, Previews, Semantics, Tools
 from assetkit.stage_log import StageLog
-from jobs.cache import file_sha256
 from schemas.asset import AssetRecord, SemanticsSection, SourceSection
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, declared, default
-from schemas.package import PackageContent
-from usdio.reread.body import reread_body, reread_shape_contacts
+from schemas.package import GraspLines, PackageContent
 from usdio.write.package import write_package
 from usdio.write.source_names import source_names
 
 UNKNOWN = "unknown"
 
 
-def author(draft: Draft, work_dir: Path) -> Path:
-    """Write USD and the URDF twin of a draft below `work_dir` and return the main USD file.
+def author(draft: Draft, tools: Tools) -> Package:
+    """The package of a draft below the work folder: USD and URDF twin, without pictures and record.
 
-    The twin is made from the body as re-read from the USD, so both hold the same numbers.
+    It is written unless it lies there, made of the same results. The twin is made from the body as re-read from the
+    USD, so both hold the same numbers.
     """
-    folder = package_folder(draft, work_dir)
+    grasps = grasp_lines(draft.acceptance.affordances) if draft.acceptance else ()
+    last = tools.last_package.find(_results(draft), grasps)
+    if last is not None:
+        return last
+    folder = tools.work_dir / "package" / draft.asset_id
     shutil.rmtree(folder, ignore_errors=True)
-    content = _content(draft)
-    main_file = write_package(content, folder)
-    write_urdf(reread_body(main_file), content, folder, reread_shape_contacts(main_file))
-    return main_file
+    content = _content(draft, grasps)
+    read_back = reread(write_package(content, folder))
+    write_urdf(read_back.body, content, folder, read_back.shape_contacts)
+    package = Package.on_disk(folder)
+    tools.last_package.keep(package, _results(draft), grasps)
+    return package
 
 
-def package_folder(draft: Draft, work_dir: Path) -> Path:
-    """Where the package of a draft is prepared."""
-    return work_dir / "package" / draft.asset_id
+def with_grasps(package: Package, draft: Draft, grasps: GraspLines, tools: Tools) -> Package:
+    """The package of a draft without grasps, with them."""
+    if not grasps:
+        return package
+    changed = package.edited(AddGrasps(grasps))
+    tools.last_package.keep(changed, _results(draft), grasps)
+    return changed
 
 
-def finish(draft: Draft, log: StageLog, work_dir: Path) -> Path:
-    """Write the package with previews and record; returns its folder.
+def finish(draft: Draft, log: StageLog, tools: Tools) -> Package:
+    """The package with previews and record.
 
-    It is written anew, because acceptance may have come from the store or judged another attempt last: same draft,
-    same bytes.
+    Acceptance has written it, unless that came from the store or judged another attempt last: then it is written here,
+    the same bytes of the same draft.
     """
-    folder = package_folder(draft, work_dir)
-    author(draft, work_dir)
-    previews = folder / "previews"
-    previews.mkdir(exist_ok=True)
-    images = need(draft.previews, "previews").images | need(draft.acceptance, "acceptance").images
-    for name, data in sorted(images.items()):
-        (previews / f"{name}.png").write_bytes(data)
-    hashes = {p.relative_to(folder).as_posix(): file_sha256(p) for p in sorted(folder.rglob("*")) if p.is_file()}
-    record = _record(draft, log, hashes)
-    (folder / RECORD).write_text(record.model_dump_json(indent=1) + "\n")
-    return folder
+    images = draft[Previews].images | draft[Acceptance].images
+    package = author(draft, tools).edited(AddPreviews(images))
+    return package.edited(WriteRecord(_record(draft, log, package.hashes)))
+
+
+def _results(draft: Draft) -> tuple[object, ...]:
+    """All that the content of a package is made of, but for grasps."""
+    results = (draft.canonicalize, draft.appearance, draft.semantics, draft.interaction, draft.physics, draft.previews)
+    return (draft.intake, *results)
 
 
 def publish(folder: Path, target: Path) -> Diagnostic | None:
@@ -76,9 +85,9 @@ def publish(folder: Path, target: Path) -> Diagnostic | None:
     return None
 
 
-def _content(draft: Draft) -> PackageContent:
-    physics = need(draft.physics, "physics")
-    semantics = need(draft.semantics, "semantics").section
+def _content(draft: Draft, grasps: GraspLines) -> PackageContent:
+    physics = draft[Physics]
+    semantics = draft[Semantics].section
     metadata = draft.intake.model.metadata
     return PackageContent(
         asset_id=draft.asset_id,
@@ -93,17 +102,17 @@ def _content(draft: Draft) -> PackageContent:
         license=metadata.get("license", UNKNOWN),
         author=metadata.get("author", UNKNOWN),
         source_file=draft.source_name,
-        thumbnail_png=need(draft.previews, "previews").images["thumbnail"],
+        thumbnail_png=draft[Previews].images["thumbnail"],
         surfaces=physics.surfaces,
         shape_surfaces=physics.shape_surfaces,
-        grasp_lines_m=grasp_lines(draft.acceptance.affordances) if draft.acceptance else (),
+        grasp_lines_m=grasps,
         parts=tuple(p.value for p in draft.interaction.parts) if draft.interaction else (),
     )
 
 
-def _record(draft: Draft, log: StageLog, hashes: dict[str, str]) -> AssetRecord:
+def _record(draft: Draft, log: StageLog, hashes: Mapping[str, str]) -> AssetRecord:
     source = draft.intake.model
-    canonical = need(draft.canonicalize, "canonicalize")
+    canonical = draft[Canonical]
     return AssetRecord(
         asset_id=draft.asset_id,
         outcome=log.outcome,
@@ -119,23 +128,23 @@ def _record(draft: Draft, log: StageLog, hashes: dict[str, str]) -> AssetRecord:
             source_names=source_names(draft.model),
         ),
         geometry=canonical.section,
-        appearance=need(draft.appearance, "appearance").section,
+        appearance=draft[Appearance].section,
         semantics=_with_front(draft),
-        parts=need(draft.interaction, "interaction").parts,
-        affordances=need(draft.acceptance, "acceptance").affordances,
-        anchors=need(draft.acceptance, "acceptance").anchors,
-        physics=need(draft.physics, "physics").section,
-        acceptance=need(draft.acceptance, "acceptance").section,
+        parts=draft[Interaction].parts,
+        affordances=draft[Acceptance].affordances,
+        anchors=draft[Acceptance].anchors,
+        physics=draft[Physics].section,
+        acceptance=draft[Acceptance].section,
         diagnostics=log.diagnostics,
         repairs=log.repairs,
         history=log.history,
-        hashes=hashes,
+        hashes=dict(hashes),
     )
 
 
 def _with_front(draft: Draft) -> SemanticsSection:
     """The semantics of the draft, with the front that its parts indicate."""
-    section, front = need(draft.semantics, "semantics").section, need(draft.interaction, "interaction").front
+    section, front = draft[Semantics].section, draft[Interaction].front
     if front is None:
         return section
     return section.model_copy(update={"front": front.direction, "heading_symmetry": front.symmetry})

@@ -24,7 +24,6 @@ from schemas.robot_description import (
     ShapeFriction,
 )
 from usdio.write.mesh_materials import MeshMaterial, materials_per_mesh
-from usdio.write.meshes import mesh_prim_names
 
 
 def write_urdf(body: RigidBody, content: PackageContent, folder: Path, shape_contacts: Sequence[Contact] = ()) -> Path:
@@ -40,10 +39,8 @@ def write_urdf(body: RigidBody, content: PackageContent, folder: Path, shape_con
     export = folder / "export"
     (export / "meshes").mkdir(parents=True, exist_ok=True)
     visuals = [
-        _visual(name, mesh, material, export)
-        for name, mesh, material in zip(
-            mesh_prim_names(content.model), content.model.meshes, materials_per_mesh(content.model), strict=True
-        )
+        _visual(mesh, material, export)
+        for mesh, material in zip(content.model.meshes_by_id.values(), materials_per_mesh(content.model), strict=True)
         if len(mesh.triangles)
     ]
     contacts = shape_contacts if len(set(shape_contacts)) > 1 else [None] * len(body.shapes)
@@ -79,13 +76,13 @@ def _inertial(body: RigidBody) -> Inertial:
     return Inertial(body.mass.mass_kg, pose(None, body.mass.centre_of_mass_m), body.mass.inertia_kgm2)
 
 
-def _visual(name: str, mesh: Mesh, mesh_material: MeshMaterial, export: Path) -> DescribedShape:
-    file = f"visual_{name}.obj"
+def _visual(mesh: Mesh, mesh_material: MeshMaterial, export: Path) -> DescribedShape:
+    file = f"visual_{mesh.id}.obj"
     _write_obj(export / "meshes" / file, mesh.points, mesh.triangles, mesh.uvs[0] if mesh.uvs else None)
     red, green, blue = _srgb(mesh_material.material).tolist()
     material = DescribedMaterial(mesh_material.prim_name, (red, green, blue, mesh_material.material.opacity))
     reference = MeshReference(f"meshes/{file}")
-    return DescribedShape(name, "mesh", (), np.eye(4), False, True, mesh=reference, material=material)
+    return DescribedShape(mesh.id, "mesh", (), np.eye(4), False, True, mesh=reference, material=material)
 
 
 def _collision(name: str, shape: CollisionShape, contact: Contact | None, export: Path) -> DescribedShape:

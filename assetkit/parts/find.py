@@ -38,12 +38,12 @@ def find_parts(
     segmenter: Segmenter | None = None,
     cavities: Sequence[Cavity] = (),
 ) -> PartsResult:
-    """Parts of canonical `meshes` by prim name, none when nothing but the whole was proposed.
+    """Parts of canonical `meshes` by id, none when nothing but the whole was proposed.
 
     `category` may be unknown. No label has more confidence than the category whose vocabulary it is from. `cavities`
     are those of the solid.
     """
-    shown = {prim: mesh for prim, mesh in meshes.items() if len(mesh.triangles)}
+    shown = {mesh_id: mesh for mesh_id, mesh in meshes.items() if len(mesh.triangles)}
     known = categories().get(category.value)
     vocabulary, kind = (known.parts, known.id) if known else ((), "")
     if not shown:
@@ -80,7 +80,7 @@ def _part(
         name=label.value if label.confidence else next((n for n in piece.names if n), part_id),
         sources=piece.sources,
         source_path=piece.path,
-        faces=tuple(part_faces(prim, k) for prim, k in zip(meshes, indices, strict=True) if len(k)),
+        faces=tuple(part_faces(mesh_id, k) for mesh_id, k in zip(meshes, indices, strict=True) if len(k)),
         triangles=int(piece.faces.sum()),
         area_m2=piece.area,
         low_m=vec3(low),

@@ -10,7 +10,6 @@ from assetkit.materials.part_materials import face_materials
 from assetkit.stage import Canonical, Draft
 from schemas.arrays import IntArray
 from schemas.evidence import Evidence
-from usdio.write.meshes import mesh_prim_names
 
 
 def mass_inputs_of(draft: Draft, canonical: Canonical) -> MassEvidenceInputs:
@@ -41,5 +40,4 @@ def _surface_materials(draft: Draft, canonical: Canonical) -> tuple[tuple[Eviden
     """Materials of the visible surface and per mesh those of its triangles; none before the interaction stage."""
     if draft.interaction is None:
         return (), ()
-    meshes = dict(zip(mesh_prim_names(draft.model), canonical.meshes, strict=True))
-    return face_materials(meshes, draft.interaction.parts, draft.interaction.material)
+    return face_materials(draft.model.meshes_by_id, draft.interaction.parts, draft.interaction.material)

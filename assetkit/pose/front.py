@@ -64,8 +64,8 @@ class Front:
 def front_of(
     meshes: Mapping[str, Mesh], category: Evidence[str], parts: Sequence[Evidence[Part]], cavities: Sequence[Cavity]
 ) -> Front:
-    """The front of canonical `meshes` by prim name; its confidence is at most that of the category and of the cue."""
-    shown = {prim: mesh for prim, mesh in meshes.items() if len(mesh.triangles)}
+    """The front of canonical `meshes` by id; its confidence is at most that of the category and of the cue."""
+    shown = {mesh_id: mesh for mesh_id, mesh in meshes.items() if len(mesh.triangles)}
     surface = join_meshes(list(shown.values())) if shown else None
     if surface is None or surface.area.sum() <= 0.0:
         return Front(_unknown("no surface"), default(1, "no surface"))
@@ -74,7 +74,7 @@ def front_of(
     if symmetry != 1:
         return Front(_unknown("looks the same in other headings"), symmetry_evidence)
     masks = [
-        (p.value.label, np.concatenate([p.value.mask(prim, len(m.triangles)) for prim, m in shown.items()]))
+        (p.value.label, np.concatenate([p.value.mask(mesh_id, len(m.triangles)) for mesh_id, m in shown.items()]))
         for p in parts
     ]
     signs = _signs(surface, category.value, masks, cavities)

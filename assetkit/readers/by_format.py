@@ -1,26 +1,24 @@
-"""The reader of each source format, by the name of the format."""
+"""The source formats that Mana reads, one row each, and the tables that follow from them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from assetkit.readers import stl, usd
+from assetkit.readers.collada import format as collada
+from assetkit.readers.gltf import format as gltf
+from assetkit.readers.obj import format as obj
+from assetkit.readers.ply import format as ply
+from assetkit.readers.source_format import Reader, SourceFormat
 
-from assetkit.readers.collada.read import read_dae
-from assetkit.readers.gltf.read import read_gltf
-from assetkit.readers.obj.read import read_obj
-from assetkit.readers.ply.read import read_ply
-from assetkit.readers.stl import read_stl
-from assetkit.readers.usd import read_usd
-from assetkit.sources.source_file import SourceFile
-from schemas.model import Model
-from schemas.outcome import Outcome
-
-READERS: dict[str, Callable[[SourceFile], Outcome[Model]]] = {
-    "obj": read_obj,
-    "glb": read_gltf,
-    "gltf": read_gltf,
-    "stl": read_stl,
-    "ply": read_ply,
-    "dae": read_dae,
-    "usd": read_usd,
-    "usdz": read_usd,
-}
+FORMATS: tuple[SourceFormat, ...] = (
+    obj.FORMAT,
+    gltf.GLB,
+    gltf.GLTF,
+    stl.FORMAT,
+    ply.FORMAT,
+    collada.FORMAT,
+    usd.USD,
+    usd.USDZ,
+)
+READERS: dict[str, Reader] = {row.name: row.read for row in FORMATS}
+MESH_FORMATS: dict[str, str] = {extension: row.name for row in FORMATS for extension in row.extensions}
+CAD_FORMATS = frozenset(row.name for row in FORMATS if row.unit_habit == "cad")

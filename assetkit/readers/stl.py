@@ -13,6 +13,7 @@ import numpy as np
 
 from assetkit.readers.common.corners import Notes, repaired
 from assetkit.readers.common.sniff import screen
+from assetkit.readers.source_format import SourceFormat
 from assetkit.sources.source_file import SourceFile
 from geom.mesh.finite import require_finite
 from schemas.diagnostics import InvalidInput, Location, Severity, finding
@@ -217,3 +218,7 @@ def _truncated(size: int, expected: int, where: Location) -> NoReturn:
 
 def _printable(text: bytes) -> str:
     return "".join(c for c in text.decode("latin-1") if c.isascii() and c.isprintable()).strip()
+
+
+# Binary files begin with free text, so there are no first bytes to know them by.
+FORMAT = SourceFormat("stl", (".stl",), read_stl, unit_habit="cad")

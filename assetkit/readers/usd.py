@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
-from assetkit.readers.common.images import load_texture
+from assetkit.readers.source_format import Signature, SourceFormat
 from assetkit.sources.source_file import SourceFile
 from schemas.model import Model
 from schemas.outcome import Outcome
-from usdio.read.asset import read_stage
 
 
 def read_usd(source: SourceFile) -> Outcome[Model]:
     """The model in a USD file; see `usdio.read.asset.read_stage` for what is read and for the InvalidInput it
     raises.
     """
+    from assetkit.readers.common.images import load_texture  # Loads Pillow,
+    from usdio.read.asset import read_stage  # and OpenUSD; discovery needs neither.
+
     return read_stage(
         source.path, source.root, load_texture=load_texture, visited=source.visited, missing=source.missing
     )
+
+
+USD = SourceFormat(
+    "usd",
+    (".usd", ".usda", ".usdc"),
+    read_usd,
+    magic=(
+        Signature("USD crate", b"PXR-USDC", (".usd", ".usdc")),
+        Signature("USD text", b"#usda", (".usd", ".usda")),
+    ),
+    referring=(".usd", ".usda"),
+)
+USDZ = SourceFormat("usdz", (".usdz",), read_usd, magic=(Signature("a ZIP archive", b"PK\x03\x04"),))

@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 
 from assetkit.options import METERS_PER_UNIT
+from assetkit.readers.by_format import CAD_FORMATS
 
 TYPICAL_SIZE_M, LOG_SPREAD = 0.15, 1.2  # Largest extent of household objects: median and spread of its logarithm.
 _STANDARD_SHARE = 0.7  # Prior of the unit that a format's own standard implies where the file leaves it out.
@@ -37,7 +38,7 @@ def unit_prior(format_: str, texts: Sequence[str], implied: str | None = None) -
     elif _METRIC_TOOLS.search(text):
         prior = _METRIC
     else:
-        prior = _CAD if format_ == "stl" else _UNKNOWN  # Printing and CAD write millimetres, robotics metres.
+        prior = _CAD if format_ in CAD_FORMATS else _UNKNOWN  # Printing and CAD write millimetres, robotics metres.
     if implied is None:
         return prior
     others = sum(p for u, p in prior.items() if u != implied)

@@ -11,31 +11,22 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from assetkit.package.record import RECORD
+from assetkit.readers.by_format import FORMATS, MESH_FORMATS
 from assetkit.sources.source_file import SourceFile
 from jobs.cache import content_key, file_sha256
 
-MESH_FORMATS = {
-    ".obj": "obj",
-    ".glb": "glb",
-    ".gltf": "gltf",
-    ".stl": "stl",
-    ".ply": "ply",
-    ".dae": "dae",
-    ".usd": "usd",
-    ".usda": "usd",
-    ".usdc": "usd",
-    ".usdz": "usdz",
-}
 PLANNED_FORMATS = {".urdf": "urdf", ".xml": "mjcf", ".mjcf": "mjcf", ".blend": "blend"}
-UNREAD_FORMATS = {".fbx", ".3mf", ".3ds", ".step", ".stp", ".iges", ".igs", ".off", ".x3d", ".wrl", ".abc", ".sdf"}
-_TEXT_WITH_REFERENCES = {".gltf", ".dae", ".usda", ".usd", ".urdf", ".xml", ".mjcf"}
+# Extensions of models that are reported where Mana does not read them; other files in a folder are passed over.
+MODEL_EXTENSIONS = {".fbx", ".3mf", ".3ds", ".step", ".stp", ".iges", ".igs", ".off", ".x3d", ".wrl", ".abc", ".sdf"}
+_TEXT_WITH_REFERENCES = {".urdf", ".xml", ".mjcf", *(e for row in FORMATS for e in row.referring)}
 _SEARCHES_FOLDERS = {".urdf", ".xml", ".mjcf"}  # These name meshes relative to a mesh folder or a package.
 _HAS_GEOMETRY_OR_ARC = re.compile(
     r"def (?:Mesh|Cube|Sphere|Cylinder|Cone|Capsule|Plane)|references =|payload =|subLayers ="
 )
 _REFERENCE_SCAN_BYTES = 4_000_000
 _MAX_SLUG = 78  # Names of files and folders are made from it, and they may have 255 bytes.
-_NAME_END = re.compile(r"\.(?:obj|glb|gltf|stl|ply|dae|usd[acz]?|xml)(?![a-z0-9])", re.IGNORECASE)
+_NAMED = "|".join(re.escape(extension) for extension in (*MESH_FORMATS, ".xml"))
+_NAME_END = re.compile(rf"(?:{_NAMED})(?![a-z0-9])", re.IGNORECASE)
 _NAME_BREAK = re.compile(r"""[\s"'@<>|*?=]""")
 _MAX_FILE_NAME = 1024  # Longer names exist in no file system; a data URI of megabytes is no name.
 
@@ -116,7 +107,7 @@ def _content(path: Path) -> str:
 
 def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path, Path]]:
     """The sources below a folder, each with the largest folder that holds it and no other source."""
-    known = {*MESH_FORMATS, *PLANNED_FORMATS, *UNREAD_FORMATS}
+    known = {*MESH_FORMATS, *PLANNED_FORMATS, *MODEL_EXTENSIONS}
     left_out = out.resolve() if out else None
     files: list[Path] = []
     for parent, folders, names in os.walk(folder):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assetkit.materials.normalize import normalize
-from assetkit.stage import Appearance, Draft, Stage, Tools
+from assetkit.stage import Appearance, Canonical, Draft, Stage, Tools
 from schemas.outcome import Outcome
 
 
@@ -13,6 +13,7 @@ class NormalizeAppearance(Stage):
     name = "appearance"
     version = 3
     result = Appearance
+    reads = (Canonical,)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Appearance]:
         """Clean materials, and a record of what has no counterpart in UsdPreviewSurface."""

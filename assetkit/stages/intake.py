@@ -53,13 +53,13 @@ class ReadSource:
         )
         require_surface(model)
         files = asset.file.files_read()
-        models = split_objects(model)
+        models = tuple(m.with_mesh_ids() for m in split_objects(model))
         review = any(d.code == "asset/articulated-source" for d in diagnostics)
         if len(models) > 1:
             too_many = len(models) > options.max_objects
             diagnostics.append(several_objects(len(models), options.max_objects, too_many=too_many))
             if too_many:
-                models, review = (model,), True
+                models, review = (model.with_mesh_ids(),), True
         low, high = (f([f(m.points, axis=0) for m in model.meshes], axis=0) for f in (np.min, np.max))
         extent = (float(high[0] - low[0]), float(high[1] - low[1]), float(high[2] - low[2]))
         folders = asset.file.folder_names()

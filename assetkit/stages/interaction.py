@@ -9,12 +9,11 @@ from assetkit.parts.find import find_parts
 from assetkit.parts.human_labels import dispute_findings, disputed_parts, outdated_regions, with_human_labels
 from assetkit.parts.segmenter import SEGMENTER_MEMORY_MB, CommandSegmenter
 from assetkit.pose.front import front_of
-from assetkit.stage import Canonical, Draft, Interaction, Stage, Tools, need
+from assetkit.stage import Appearance, Canonical, Draft, Interaction, Semantics, Stage, Tools
 from geom.features.cavities import find_cavities
 from jobs.cell import Limits
 from schemas.diagnostics import finding
 from schemas.outcome import Outcome
-from usdio.write.meshes import mesh_prim_names
 
 
 class ProposeParts(Stage):
@@ -23,14 +22,15 @@ class ProposeParts(Stage):
     name = "interaction"
     version = 12
     result = Interaction
+    reads = (Canonical, Appearance, Semantics)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Interaction]:
         """Parts by source, material, connection and shape, labels where the category has a word; proposed anchors."""
-        canonical: Canonical = need(draft.canonicalize, "canonicalize")
-        section = need(draft.semantics, "semantics").section
+        canonical = draft[Canonical]
+        section = draft[Semantics].section
         category = section.category
         cavities = find_cavities(canonical.solid)
-        meshes = dict(zip(mesh_prim_names(draft.model), canonical.meshes, strict=True))
+        meshes = draft.model.meshes_by_id
         segmenter = _segmenter(tools.options)
         proposed = find_parts(meshes, draft.model.materials, category, segmenter=segmenter, cavities=cavities)
         labelled = with_human_labels(proposed.parts, tools.options.decisions)

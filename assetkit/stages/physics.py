@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from assetkit.physics.build import build_physics
 from assetkit.physics.mass_inputs import mass_inputs_of
-from assetkit.stage import Canonical, Draft, Physics, Stage, Tools, need
+from assetkit.stage import Appearance, Canonical, Draft, Interaction, Physics, Semantics, Stage, Tools
 from schemas.outcome import Outcome
 
 
@@ -14,10 +14,11 @@ class AuthorPhysics(Stage):
     name = "physics"
     version = 8
     result = Physics
+    reads = (Canonical, Appearance, Semantics, Interaction)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Physics]:
         """Shapes, mass and contact in the asset frame; colliders that failed acceptance are left out."""
-        canonical: Canonical = need(draft.canonicalize, "canonicalize")
+        canonical = draft[Canonical]
         folder = tools.work_dir / "physics"
         folder.mkdir(parents=True, exist_ok=True)
         built = build_physics(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assetkit.package.preview_images import render_previews
-from assetkit.stage import Draft, Previews, Stage, Tools, need
+from assetkit.stage import Appearance, Canonical, Draft, Interaction, Physics, Previews, Stage, Tools
 from schemas.outcome import Outcome
 
 
@@ -13,8 +13,9 @@ class RenderPreviews(Stage):
     name = "previews"
     version = 2
     result = Previews
+    reads = (Canonical, Appearance, Interaction, Physics)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Previews]:
         """PNG bytes by name."""
-        shapes, parts = need(draft.physics, "physics").shapes, need(draft.interaction, "interaction").parts
+        shapes, parts = draft[Physics].shapes, draft[Interaction].parts
         return Outcome(Previews(render_previews(draft.model, shapes, tools.work_dir, [p.value for p in parts])))

@@ -19,7 +19,7 @@ from assetkit.annotate.observe import observe
 from assetkit.annotate.semantics_section import category_evidence, semantic_findings, semantics_section
 from assetkit.geometry.reference_frame import reference_frame
 from assetkit.package.preview_images import render_previews
-from assetkit.stage import Draft, Semantics, Stage, Tools
+from assetkit.stage import Appearance, Canonical, Draft, Semantics, Stage, Tools
 from jobs.cache import content_key
 from render.camera import STANDARD_VIEWS
 from schemas.diagnostics import finding
@@ -32,6 +32,7 @@ class DescribeObject(Stage):
     name = "semantics"
     version = 6
     result = Semantics
+    reads = (Canonical, Appearance)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Semantics]:
         """The section; `review` for what Mana does not prepare, when an unknown category is not enough for the user,

@@ -23,7 +23,6 @@ from assetkit.pose.front import front_of
 from benchmarks.assets.truth_files import located, object_of
 from geom.features.cavities import find_cavities
 from schemas.evidence import declared, default
-from usdio.write.meshes import mesh_prim_names
 
 TABLE = Path(__file__).with_name("front_truth.csv")
 
@@ -45,7 +44,7 @@ def _asked(truth: dict[str, str], file: Path, root: Path) -> str:
     made = canonicalize(item, file.name, options).value
     assert made is not None, f"{file} is not refused"
     category = declared(truth["category"], "table") if truth["category"] else default("unknown")
-    meshes = dict(zip(mesh_prim_names(item.model), made.meshes, strict=True))
+    meshes = {mesh.id: mesh for mesh in made.meshes}
     cavities = find_cavities(made.solid)
     parts = find_parts(meshes, item.model.materials, category, cavities=cavities).parts
     started = time.process_time()

@@ -29,7 +29,7 @@ from assetkit.materials.normalize import normalize
 from assetkit.materials.part_materials import face_materials, part_materials
 from assetkit.options import Options
 from assetkit.parts.find import find_parts
-from assetkit.stage import Draft, need
+from assetkit.stage import Canonical, Draft
 from benchmarks.assets.parts import category_of, stripped_of
 from benchmarks.assets.truth_files import located, object_of
 from geom.features.cavities import find_cavities
@@ -37,7 +37,6 @@ from geom.mesh.surface_distance import triangle_areas
 from schemas.arrays import FloatArray, IntArray
 from schemas.evidence import Evidence, declared
 from schemas.model import Mesh
-from usdio.write.meshes import mesh_prim_names
 
 TABLE = Path(__file__).with_name("part_materials_truth.csv")
 UNKNOWN, UNSEEN = "unknown", "?"
@@ -65,8 +64,8 @@ def rows(assets: Path, *, only: str = "", stated: bool = False, stripped: bool =
             bare = stripped_of(draft)
             draft = replace(bare, appearance=normalize(bare.intake.model).value)
         named = declared(category, "table") if stated and category else category_of(draft)
-        meshes = dict(zip(mesh_prim_names(draft.model), draft.model.meshes, strict=True))
-        cavities = find_cavities(need(draft.canonicalize, "canonicalize").solid)
+        meshes = draft.model.meshes_by_id
+        cavities = find_cavities(draft[Canonical].solid)
         found = find_parts(meshes, draft.model.materials, named, cavities=cavities).parts
         started = time.process_time()
         parts, whole = part_materials(meshes, draft.model, found, named, draft.source_name, draft.intake.folders)

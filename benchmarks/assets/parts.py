@@ -32,7 +32,6 @@ from geom.features.cavities import find_cavities
 from schemas.arrays import FloatArray
 from schemas.evidence import Evidence, declared, default, inferred
 from schemas.parts import Part
-from usdio.write.meshes import mesh_prim_names
 
 TABLE = Path(__file__).with_name("parts_truth.csv")
 OVERLAP = 0.5
@@ -67,7 +66,7 @@ def _row(truth: dict[str, str], file: Path, root: Path, *, stated: bool, strippe
     if stripped:
         draft = stripped_of(draft)
     category = declared(truth["category"], "table") if stated else category_of(draft)
-    meshes = dict(zip(mesh_prim_names(draft.model), draft.model.meshes, strict=True))
+    meshes = draft.model.meshes_by_id
     cavities = find_cavities(canonical.solid)
     started = time.process_time()
     parts = find_parts(meshes, draft.model.materials, category, cavities=cavities).parts

@@ -1,1 +1,1 @@
-"""Generators of the reference pages: diagnostics, gate rules, effects (`make docs`)."""
+"""Generators of the reference pages: diagnostics, gate rules, effects, formats (`make docs`)."""

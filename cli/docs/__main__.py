@@ -1,6 +1,6 @@
 """Write every generated page of the documentation: `python -m cli.docs` (or `make docs`).
 
-The pages come from tables in the code: diagnostic codes, rules of the gate, effects of the sim gap. `generated_pages`
+The pages come from tables in the code: diagnostic codes, rules of the gate, effects, source formats. `generated_pages`
 is the whole list; a test compares it with the files in `docs/`.
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cli.docs import diagnostics, effects, gate
+from cli.docs import diagnostics, effects, formats, gate
 
 DOCS = Path("docs")
 DIAGNOSTICS = Path("diagnostics")
@@ -17,7 +17,12 @@ DIAGNOSTICS = Path("diagnostics")
 def generated_pages() -> dict[Path, str]:
     """Text of each generated page by its path below `docs/`."""
     codes = {DIAGNOSTICS / name: text for name, text in diagnostics.pages().items()}
-    return {**codes, Path("reference/gate.md"): gate.page(), Path("reference/effects.md"): effects.page()}
+    return {
+        **codes,
+        Path("reference/gate.md"): gate.page(),
+        Path("reference/effects.md"): effects.page(),
+        Path("reference/file-formats.md"): formats.page(),
+    }
 
 
 def write(docs: Path) -> None:

@@ -1,8 +1,9 @@
-"""Pages of `docs/diagnostics/` from the table of codes: an index, and one page per code."""
+"""Pages of `docs/diagnostics/` from all codes: an index, and one page per code."""
 
 from __future__ import annotations
 
-from schemas.codes import CODES, CodeInfo
+from cli.codes import all_codes
+from schemas.codes.code_info import CodeInfo
 
 
 def page(code: str, info: CodeInfo) -> str:
@@ -15,9 +16,8 @@ def page(code: str, info: CodeInfo) -> str:
 
 def index() -> str:
     """The list of all codes."""
-    rows = "\n".join(
-        f"| [{code}]({file_name(code)}) | {info.severity} | {info.title} |" for code, info in sorted(CODES.items())
-    )
+    codes = sorted(all_codes().items())
+    rows = "\n".join(f"| [{code}]({file_name(code)}) | {info.severity} | {info.title} |" for code, info in codes)
     return (
         "# Diagnostics\n\nEvery finding carries one of these codes. Codes are stable.\n\n"
         f"| code | severity | what was found |\n|---|---|---|\n{rows}\n"
@@ -31,4 +31,4 @@ def file_name(code: str) -> str:
 
 def pages() -> dict[str, str]:
     """Text by file name: the index and one page per code."""
-    return {file_name(code): page(code, info) for code, info in CODES.items()} | {"index.md": index()}
+    return {file_name(code): page(code, info) for code, info in all_codes().items()} | {"index.md": index()}

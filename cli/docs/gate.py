@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from cli.docs.diagnostics import file_name
+from gate.rules.rule import Rule
 from gate.static_gate import RULES
-from schemas.codes import CODES
 
 _INTRODUCTION = """# The static gate
 
@@ -33,11 +33,11 @@ simulate well, give no error; `benchmarks/gate/seeded_defects.py` measures what 
 
 def page() -> str:
     """The page as text."""
-    return _INTRODUCTION.format(count=len(RULES)) + "".join(_row(rule.code, rule.bound, rule.source) for rule in RULES)
+    return _INTRODUCTION.format(count=len(RULES)) + "".join(map(_row, RULES))
 
 
-def _row(code: str, bound: str, source: str) -> str:
-    info = CODES[code]
-    link = f"[{code.removeprefix('asset/gate-')}](../diagnostics/{file_name(code)})"
-    cells = [link, info.title, bound, info.why, source]
+def _row(rule: Rule) -> str:
+    code = rule.code
+    link = f"[{code.name.removeprefix('asset/gate-')}](../diagnostics/{file_name(code.name)})"
+    cells = [link, code.title, rule.bound, code.why, rule.source]
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from assetkit.library import catalog
-from assetkit.measured.extend import EXTENSION, extend_package, main_file_of, record_of
+from assetkit.measured.extend import extend_package, main_file_of, record_of
 from assetkit.measured.extend_urdf import extend_urdf
+from assetkit.package.package import EXTENSION
 from geom.convex.support_function import bounds
 from jobs.cache import write_atomically
 from jobs.lock import exclusive

@@ -11,6 +11,7 @@ import typer
 from rich.markup import escape
 
 from cli import source_text, text
+from cli.codes import code_info
 from cli.scene.verdicts import STYLE, show_verdicts
 from schemas.codes import CODES
 from schemas.diagnostics import InvalidInput, finding
@@ -207,10 +208,10 @@ def explain_command(
     """
     from scenec.source.hint import did_you_mean
 
-    if code not in CODES:
+    info = code_info(code)
+    if info is None:
         hint = did_you_mean(code, [name for name in CODES if name.startswith("scene/")])
         raise InvalidInput(finding("scene/unknown-name", f"there is no code `{code}`{hint}"))
-    info = CODES[code]
     if as_json:
         print(json.dumps({"code": code, **info._asdict()}, indent=1))
         return

@@ -6,16 +6,17 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from gate.subject import Subject
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic
 
 
 class Rule(NamedTuple):
     """A rule as data: the code it reports, what passes, where the bound comes from, and the check itself.
 
-    Title, reason and remedy are those of the code in `schemas.codes.gate`. `docs/reference/gate.md` is made from both.
+    The code brings title, reason and remedy. `docs/reference/gate.md` and a page per code are made from the rules.
     """
 
-    code: str
+    code: DiagnosticCode
     bound: str
     source: str
     check: Callable[[Subject], Iterator[Diagnostic]]

@@ -1,5 +1,6 @@
-"""Every diagnostic code, in one explicit table. Each has a page under `docs/diagnostics/` made from its row
-(`make docs`) and a smallest bad input in `tests/support/bad_inputs/`; one test proves that the three agree.
+"""Every diagnostic code but those of the gate, whose rules declare their own, in one explicit table. Each has a page
+under `docs/diagnostics/` made from its row (`make docs`) and a smallest bad input in `tests/support/bad_inputs/`; one
+test proves that the three agree.
 
 A code names the pattern found, never the remedy. Codes are stable: extend, never rename.
 """

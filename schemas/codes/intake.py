@@ -9,7 +9,7 @@ INTAKE_CODES: dict[str, CodeInfo] = {
     "asset/format-unsupported": CodeInfo(
         "error",
         "The file type is not one Mana reads",
-        "Only GLB, glTF, OBJ, STL, PLY, DAE and USD files become assets; anything else is reported, not guessed at.",
+        "Only files of a format with a reader become assets; anything else is reported, not guessed at.",
         "convert the file to GLB or USD and ingest that",
     ),
     "asset/format-unsupported-yet": CodeInfo(
@@ -201,6 +201,12 @@ INTAKE_CODES: dict[str, CodeInfo] = {
         "The object did not stand in its reference pose",
         "Scenes place objects as they stand: a mug on its side would be put down on its side, and its opening missed.",
         "nothing, or state the axis with --up-axis where the object is meant to lie",
+    ),
+    "asset/frame-unsettled": CodeInfo(
+        "warning",
+        "The pose or scale of the object does not settle",
+        "Each look at the object in its new frame gives yet another one, so that none of them is sure.",
+        "look at the pictures and state unit, axis or category, or report the file",
     ),
     "asset/upright-uncertain": CodeInfo(
         "warning",

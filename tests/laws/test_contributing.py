@@ -34,6 +34,8 @@ from tests.support.worked_pages import (
 FOLDER = ROOT / "docs" / "contributing"
 WORKED = ("file-format", "gate-rule", "effect", "episode-format")
 PAGES = (*WORKED, "relation")
+# What a newcomer opens or writes for one more of a kind: reader, row and test; and so on.
+MOST_FILES = {"file-format": 3, "gate-rule": 3, "relation": 4, "effect": 3}
 
 WORD = "near"  # the relation that relation.md walks through
 KINDS = frozenset({"before", "near", "far_from", "aligned", "facing", "between"})
@@ -132,6 +134,13 @@ def test_every_path_and_module_on_the_page_exists(name: str) -> None:
 @pytest.mark.parametrize("name", PAGES)
 def test_the_page_says_how_to_test_and_what_is_reviewed(name: str) -> None:
     assert [h for h in ("## Files to touch", "## Test", "## What reviewers look for") if h not in page(name)] == []
+
+
+@pytest.mark.parametrize(("name", "most"), MOST_FILES.items())
+def test_an_extension_touches_few_files_by_hand(name: str, most: int) -> None:
+    """Without pages that `make docs` writes, and without the line in the change log that every change gets."""
+    touched = {file.path for file in listed(page(name)) if not file.made} - {"CHANGELOG.md"}
+    assert 0 < len(touched) <= most, sorted(touched)
 
 
 @pytest.mark.parametrize("name", WORKED)

@@ -52,7 +52,12 @@ def finished(file: Path, options: Options | None = None) -> tuple[Draft, list[st
 
 
 def released(file: Path) -> RigidBody:
-    return reread_body(release.author(finished(file)[0], file.parent / "out"))
+    return reread_body(written(finished(file)[0], file.parent / "out"))
+
+
+def written(draft: Draft, folder: Path) -> Path:
+    """The main USD file of the package of a draft."""
+    return release.author(draft, Tools(FakeSimulator(), folder, Options())).main_file
 
 
 def box_stage(folder: Path, *, up: str = "Z", meters_per_unit: float = 1.0, scale: float = 1.0) -> Usd.Stage:
@@ -148,7 +153,7 @@ def test_the_record_says_that_they_are_declared(tmp_path):
 
 def test_a_package_read_as_a_source_keeps_its_physics(tmp_path):
     draft, _, _ = finished(state(box_stage(tmp_path)))
-    main_file = release.author(draft, tmp_path / "out")
+    main_file = written(draft, tmp_path / "out")
     first = reread_body(main_file)
     again, _, repairs = finished(main_file)
     assert repairs == []

@@ -7,6 +7,7 @@ Input is the main USD file; output is in the asset frame, metres and kilograms."
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -23,17 +24,35 @@ from usdio.stage import open_stage
 _AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
 
 
+@dataclass(frozen=True)
+class RereadPackage:
+    """One package as its USD files hold it, in the asset frame, metres and kilograms.
+
+    `shape_contacts` has the contact of each shape of `body`; `visual_points` (n, 3) float64 and `visual_triangles`
+    (m, 3) int32 are all rendered meshes merged.
+    """
+
+    body: RigidBody
+    shape_contacts: tuple[Contact, ...]
+    visual_points: FloatArray
+    visual_triangles: IntArray
+
+
+def reread_package(main_file: Path) -> RereadPackage:
+    """All that `reread_body`, `reread_shape_contacts` and `reread_visual` give, from one opening. Raises as they do."""
+    stage = open_stage(main_file)
+    prim = _single_body(stage, main_file)
+    return RereadPackage(body_of(prim, main_file), _shape_contacts(prim, main_file), *_visual(stage))
+
+
 def reread_body(main_file: Path) -> RigidBody:
     """The one rigid body of a package in the frame of its prim (the asset frame), metres and kilograms.
 
     Inertia is rebuilt as `R diag(diagonalInertia) R^T` with R from `principalAxes` (UsdPhysics schema). Raises
     InvalidInput (`asset/package-invalid`) when the file has no body, no complete mass or an unknown collider type.
     """
-    stage = open_stage(main_file)
-    bodies = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
-    if len(bodies) != 1:
-        raise _invalid(f"{len(bodies)} rigid bodies instead of one", main_file)
-    return body_of(bodies[0], main_file)
+    stage = open_stage(main_file)  # Held: prims end with their stage.
+    return body_of(_single_body(stage, main_file), main_file)
 
 
 def body_of(body: Usd.Prim, main_file: Path) -> RigidBody:
@@ -49,16 +68,29 @@ def shapes_of(body: Usd.Prim, main_file: Path) -> tuple[CollisionShape, ...]:
 def reread_shape_contacts(main_file: Path) -> tuple[Contact, ...]:
     """The contact of each shape of `reread_body`, in the same order. Raises as that does."""
     stage = open_stage(main_file)
-    body = next(prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI))
+    return _shape_contacts(_single_body(stage, main_file), main_file)
+
+
+def reread_visual(main_file: Path) -> tuple[FloatArray, IntArray]:
+    """All rendered meshes merged, in the asset frame: points (n, 3) float64 and triangles (m, 3) int32."""
+    return _visual(open_stage(main_file))
+
+
+def _single_body(stage: Usd.Stage, main_file: Path) -> Usd.Prim:
+    bodies = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    if len(bodies) != 1:
+        raise _invalid(f"{len(bodies)} rigid bodies instead of one", main_file)
+    return bodies[0]
+
+
+def _shape_contacts(body: Usd.Prim, main_file: Path) -> tuple[Contact, ...]:
     bound = [bound_contact_material(prim) for prim in collider_prims(body)]
     if any(api is None for api in bound):
         raise _invalid("a collider without a contact material", main_file)
     return tuple(_contact_of(api) for api in bound if api is not None)
 
 
-def reread_visual(main_file: Path) -> tuple[FloatArray, IntArray]:
-    """All rendered meshes merged, in the asset frame: points (n, 3) float64 and triangles (m, 3) int32."""
-    stage = open_stage(main_file)
+def _visual(stage: Usd.Stage) -> tuple[FloatArray, IntArray]:
     root = stage.GetDefaultPrim()
     points, triangles, offset = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int32)], 0
     for prim in visible_meshes(stage):

@@ -18,10 +18,10 @@ import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 from schemas.arrays import FloatArray
+from schemas.identifiers import unique_identifiers
 from schemas.physics import CollisionShape
 from schemas.scene.compiled import PlacedObject
 from schemas.scene.samples import SampledLighting
-from usdio.names import prim_names
 from usdio.write.physics import author_contact_material, author_shape
 from usdio.write.primitive import CONTACT, DENSITY_KGM3
 from usdio.write.sample import SampleEdit, author_sampled_lighting, bind_sampled_material
@@ -101,11 +101,11 @@ def write_motion(folder: Path, t_s: FloatArray, bodies: Sequence[TimedBody], cam
     times = t_s.tolist()
     for (group, owner), path in _scopes(stage, bodies).items():
         members = [body for body in bodies if (body.group, body.owner) == (group, owner)]
-        for name, body in zip(prim_names([b.name for b in members], "body"), members, strict=True):
+        for name, body in zip(unique_identifiers([b.name for b in members], "body"), members, strict=True):
             prim = _author_pose(UsdGeom.Xform.Define(stage, path.AppendChild(name)), times, body.X_WB, body.name)
             _author_shapes(stage, prim, body, contact)
     lenses = _group(stage, _ROOT.AppendChild("Cameras"))
-    for name, camera in zip(prim_names([c.name for c in cameras], "camera"), cameras, strict=True):
+    for name, camera in zip(unique_identifiers([c.name for c in cameras], "camera"), cameras, strict=True):
         lens = UsdGeom.Camera.Define(stage, lenses.AppendChild(name))
         _author_pose(lens, times, camera.X_WC, camera.name)
         lens.CreateVerticalApertureAttr(_APERTURE)
@@ -152,7 +152,7 @@ def write_context(
 
 def inserted_prims(names: Sequence[str]) -> list[str]:
     """The prim names below `/World/Inserted` of inserted objects of these names."""
-    return list(prim_names(names, "object"))
+    return list(unique_identifiers(names, "object"))
 
 
 def _conventions(layer: Sdf.Layer) -> None:
@@ -182,7 +182,7 @@ def _scopes(stage: Usd.Stage, bodies: Sequence[TimedBody]) -> dict[tuple[str, st
     for group in dict.fromkeys(body.group for body in bodies):
         path = _group(stage, _ROOT.AppendChild(group))
         owners = list(dict.fromkeys(body.owner for body in bodies if body.group == group))
-        for name, owner in zip(prim_names(owners, "robot"), owners, strict=True):
+        for name, owner in zip(unique_identifiers(owners, "robot"), owners, strict=True):
             scopes[group, owner] = _group(stage, path.AppendChild(name)) if owner else path
     return scopes
 

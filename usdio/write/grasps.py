@@ -9,17 +9,17 @@ MuJoCo rejects files with curves, so a variant set decides: `grasp_lines` is `po
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from pathlib import Path
 
 from pxr import Gf, Sdf, Usd, UsdGeom
 
-from schemas.anchors import Point3
+from schemas.package import GraspLines
 
 WIDTH_M = 0.001
 VARIANT_SET, POINTS, CURVES = "grasp_lines", "points", "curves"
 
 
-def author_grasps(stage: Usd.Stage, root: Sdf.Path, lines_m: Sequence[tuple[Point3, Point3]]) -> None:
+def author_grasps(stage: Usd.Stage, root: Sdf.Path, lines_m: GraspLines) -> None:
     """Define `<root>/grasp_identifier_NN/grasp_identifier_NN_line` for the two ends of each line, asset frame.
 
     Their purpose is guide, so they are not rendered. Without a grasp there is no variant set.
@@ -37,6 +37,19 @@ def author_grasps(stage: Usd.Stage, root: Sdf.Path, lines_m: Sequence[tuple[Poin
         with choice.GetVariantEditContext():
             for frame, ends in zip(frames, lines_m, strict=True):
                 author(stage, frame.AppendChild(f"{frame.name}_line"), [Gf.Vec3f(*end) for end in ends])
+
+
+def add_grasps(main_file: Path, lines_m: GraspLines) -> Path:
+    """Author grasps into a package that `write_package` wrote without any; returns the one file that changes.
+
+    The bytes are those that `write_package` gives for the content with these grasps. Raises OSError when writing fails.
+    """
+    physics_file = main_file.parent / "payloads" / f"{main_file.stem}_physics.usda"
+    layer = Sdf.Layer.OpenAsAnonymous(str(physics_file))
+    author_grasps(Usd.Stage.Open(layer), Sdf.Path.absoluteRootPath.AppendChild(layer.defaultPrim), lines_m)
+    if not layer.Export(str(physics_file)):
+        raise OSError(f"USD could not write {physics_file.name}")
+    return physics_file
 
 
 def _points(stage: Usd.Stage, path: Sdf.Path, ends: list[Gf.Vec3f]) -> None:

@@ -13,8 +13,8 @@ from collections.abc import Mapping, Sequence
 
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade
 
+from schemas.identifiers import unique_identifiers
 from schemas.model import Material, Model, TextureUse
-from usdio.names import prim_names
 from usdio.write.mesh_materials import MeshMaterial, uv_primvar
 
 # UsdPreviewSurface has no transmission. Opacity replaces it; some is kept so that clear glass stays visible.
@@ -40,7 +40,7 @@ def texture_files(model: Model, mesh_materials: Sequence[MeshMaterial]) -> dict[
     """Texture.name -> file name below `textures/` of every texture that a mesh material uses, in model order."""
     used = {use.texture for mesh_material in mesh_materials for use in texture_uses(mesh_material.material)}
     textures = [texture for texture in model.textures if texture.name in used]
-    names = prim_names((texture.name for texture in textures), "texture")
+    names = unique_identifiers((texture.name for texture in textures), "texture")
     return {texture.name: f"{file}.{texture.extension}" for file, texture in zip(names, textures, strict=True)}
 
 

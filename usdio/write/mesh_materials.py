@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from schemas.identifiers import unique_identifiers
 from schemas.model import Material, Model
-from usdio.names import prim_names
 
 MATERIAL_FALLBACK = "material"
 NEUTRAL = Material(name="neutral")
@@ -30,7 +30,7 @@ def materials_per_mesh(model: Model) -> tuple[MeshMaterial, ...]:
     keys = [_key(model, index) for index in range(len(model.meshes))]
     unique = sorted(set(keys), key=lambda key: (len(model.materials) if key[0] is None else key[0], key[1]))
     materials = [_material(model, *key) for key in unique]
-    names = prim_names(
+    names = unique_identifiers(
         (m.name + ("_vertex_colors" if k[1] else "") for m, k in zip(materials, unique, strict=True)), MATERIAL_FALLBACK
     )
     mesh_materials = {

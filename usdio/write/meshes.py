@@ -15,23 +15,16 @@ from geom.mesh.corner_normals import corner_normals, face_vectors
 from schemas.arrays import AnyFloatArray, Float32Array, FloatArray, IntArray
 from schemas.model import Mesh, Model
 from schemas.parts import Part
-from usdio.names import prim_names
 from usdio.write.mesh_materials import MeshMaterial, uv_primvar
 
-MESH_FALLBACK = "mesh"
 PART_FAMILY = "manaPart"
 _MAX_ROLLS = 1000
-
-
-def mesh_prim_names(model: Model) -> dict[str, str]:
-    """Prim name -> source name of every mesh of `model`, in order."""
-    return prim_names((mesh.name for mesh in model.meshes), MESH_FALLBACK)
 
 
 def author_meshes(
     stage: Usd.Stage, root: Sdf.Path, model: Model, mesh_materials: Sequence[MeshMaterial], parts: Sequence[Part] = ()
 ) -> set[bytes]:
-    """Define `<root>/Visuals/<mesh>` for every mesh with triangles; `mesh_materials` holds one per mesh.
+    """Define `<root>/Visuals/<id>` for every mesh with triangles; `mesh_materials` holds one per mesh.
 
     Points keep their order and sharing. Each of `parts` becomes a face subset of the meshes it lies on. A mesh that
     equals an earlier one in position, shape and material is left out: it adds nothing visible and fails VG.008. Returns
@@ -40,17 +33,17 @@ def author_meshes(
     UsdGeom.Xform.Define(stage, root.AppendChild("Visuals"))
     taken: set[bytes] = set()
     written: set[bytes] = set()
-    for name, mesh, mesh_material in zip(mesh_prim_names(model), model.meshes, mesh_materials, strict=True):
+    for (mesh_id, mesh), mesh_material in zip(model.meshes_by_id.items(), mesh_materials, strict=True):
         if len(mesh.triangles) == 0:
             continue
-        identity = _mesh_key(mesh, mesh_material)
-        if identity in written:
+        content = _mesh_key(mesh, mesh_material)
+        if content in written:
             continue
-        written.add(identity)
-        path = root.AppendChild("Visuals").AppendChild(name)
+        written.add(content)
+        path = root.AppendChild("Visuals").AppendChild(mesh_id)
         corners = distinct_corner_order(mesh.points, mesh.triangles, taken)
         prim = _author_mesh(stage, path, _with_corner_order(mesh, corners), mesh_material, root)
-        _author_parts(prim, name, corners[::3] // 3, parts)
+        _author_parts(prim, mesh_id, corners[::3] // 3, parts)
     return taken
 
 
@@ -95,13 +88,13 @@ def _author_mesh(
     return prim
 
 
-def _author_parts(mesh: UsdGeom.Mesh, name: str, listed: IntArray, parts: Sequence[Part]) -> None:
-    """A subset per part with triangles on the mesh `name`; `listed` (m,) is the source triangle of each authored face.
+def _author_parts(mesh: UsdGeom.Mesh, mesh_id: str, listed: IntArray, parts: Sequence[Part]) -> None:
+    """A subset per part with triangles on the mesh; `listed` (m,) is the source triangle of each authored face.
 
     Parts may lie within each other, so their family is unrestricted. Unknown labels and materials are not written.
     """
     for part in parts:
-        places = np.flatnonzero(part.mask(name, len(listed))[listed])
+        places = np.flatnonzero(part.mask(mesh_id, len(listed))[listed])
         if len(places) == 0:
             continue
         indices = Vt.IntArray.FromNumpy(places.astype(np.int32))

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics
 
+from schemas.identifiers import identifier, unique_identifiers
 from schemas.package import PackageContent
 from schemas.physics import SurfaceMaterial
-from usdio.names import identifier, prim_names
 from usdio.write.grasps import author_grasps
 from usdio.write.materials import author_materials, texture_files
 from usdio.write.mesh_materials import materials_per_mesh
@@ -46,18 +46,17 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     mesh_materials = materials_per_mesh(content.model)
     files = texture_files(content.model, mesh_materials)
 
-    meshes, materials, physics = _new_layer(root), _new_layer(root), _new_layer(root)
-    taken = author_meshes(Usd.Stage.Open(meshes), root, content.model, mesh_materials, content.parts)
+    meshes, materials, physics = _new_stage(root), _new_stage(root), _new_stage(root)
+    taken = author_meshes(meshes, root, content.model, mesh_materials, content.parts)
     paths = {name: f"../textures/{file}" for name, file in files.items()}
-    author_materials(Usd.Stage.Open(materials), root, mesh_materials, paths, label)
-    stage = Usd.Stage.Open(physics)
-    author_colliders(stage, root, content.shapes, _contact_materials(stage, root, content), taken)
-    author_grasps(stage, root, content.grasp_lines_m)
+    author_materials(materials, root, mesh_materials, paths, label)
+    author_colliders(physics, root, content.shapes, _contact_materials(physics, root, content), taken)
+    author_grasps(physics, root, content.grasp_lines_m)
 
     stem = content.asset_id
-    _export(meshes, payloads / f"{stem}_meshes.usdc")
-    _export(materials, payloads / f"{stem}_materials.usda")
-    _export(physics, payloads / f"{stem}_physics.usda")
+    _export(meshes.GetRootLayer(), payloads / f"{stem}_meshes.usdc")
+    _export(materials.GetRootLayer(), payloads / f"{stem}_materials.usda")
+    _export(physics.GetRootLayer(), payloads / f"{stem}_physics.usda")
     _export(_base_layer(root, stem), payloads / f"{stem}_base.usda")
     _export(_main_layer(content, root), main_file)
 
@@ -76,7 +75,7 @@ def _contact_materials(stage: Usd.Stage, root: Sdf.Path, content: PackageContent
     """Author the contact materials, the principal one first, and return that of each shape."""
     label = content.physical_material or UNKNOWN
     surfaces = list(dict.fromkeys(content.surfaces)) or [SurfaceMaterial(label, content.density_kgm3, content.contact)]
-    names = prim_names([surface.label for surface in surfaces], UNKNOWN)
+    names = unique_identifiers([surface.label for surface in surfaces], UNKNOWN)
     paths = {
         surface: author_contact_material(stage, root, surface.contact, surface.density_kgm3, surface.label, name)
         for surface, name in zip(surfaces, names, strict=True)
@@ -88,7 +87,7 @@ def _contact_materials(stage: Usd.Stage, root: Sdf.Path, content: PackageContent
 
 def _base_layer(root: Sdf.Path, stem: str) -> Sdf.Layer:
     """The visual layers, without physics. ISA.001 requires base, meshes and physics layers by these names."""
-    layer = _new_layer(root)
+    layer = _new_stage(root).GetRootLayer()
     names = (f"./{stem}_meshes.usdc", f"./{stem}_materials.usda")
     layer.GetPrimAtPath(root).referenceList.prependedItems = [Sdf.Reference(name) for name in names]
     return layer
@@ -96,8 +95,8 @@ def _base_layer(root: Sdf.Path, stem: str) -> Sdf.Layer:
 
 def _main_layer(content: PackageContent, root: Sdf.Path) -> Sdf.Layer:
     """The root layer: units, provenance, body and labels; visuals and colliders are payloads."""
-    layer = _new_layer(root)
-    stage = Usd.Stage.Open(layer)
+    stage = _new_stage(root)
+    layer = stage.GetRootLayer()
     prim = stage.GetDefaultPrim()
     author_body(prim, content.mass)
     Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
@@ -139,15 +138,14 @@ def _qcode(content: PackageContent) -> str:
     return content.qcode if content.qcode[:1] == "Q" and digits.isascii() and digits.isdigit() else OBJECT_QCODE
 
 
-def _new_layer(root: Sdf.Path) -> Sdf.Layer:
-    """An empty layer in memory with units, axis and default prim."""
-    layer = Sdf.Layer.CreateAnonymous(".usda")
-    stage = Usd.Stage.Open(layer)
+def _new_stage(root: Sdf.Path) -> Usd.Stage:
+    """A stage of one layer in memory with units, axis and default prim."""
+    stage = Usd.Stage.Open(Sdf.Layer.CreateAnonymous(".usda"))
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdPhysics.SetStageKilogramsPerUnit(stage, 1.0)
     stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, root).GetPrim())
-    return layer
+    return stage
 
 
 def _export(layer: Sdf.Layer, path: Path) -> None:

@@ -13,8 +13,8 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 from geom.mass.principal_axes import principal_axes
 from geom.mesh.corner_normals import face_normals
 from geom.pose import apply, quat_of
+from schemas.identifiers import identifier
 from schemas.physics import CollisionShape, Contact, MassProperties
-from usdio.names import identifier
 from usdio.write.materials import label_material
 from usdio.write.meshes import author_normals, define_mesh, distinct_corner_order
 

@@ -15,8 +15,10 @@ from usdio.write.physics import CONTACT_MATERIALS, author_body, author_contact_v
 _METADATA = "SimReady_Metadata"
 
 
-def rewrite_physics(main_file: Path, mass: MassProperties, contact: Contact | None, density_factor: float) -> None:
-    """Author the body and the contact materials of a package that `write_package` wrote.
+def rewrite_physics(
+    main_file: Path, mass: MassProperties, contact: Contact | None, density_factor: float
+) -> tuple[Path, Path]:
+    """Author the body and the contact materials of a package that `write_package` wrote; returns the changed files.
 
     The density of every material is multiplied by `density_factor`; all get `contact`, None keeps theirs. Raises
     OSError when writing fails.
@@ -37,3 +39,4 @@ def rewrite_physics(main_file: Path, mass: MassProperties, contact: Contact | No
     for changed, path in ((layer, main_file), (physics, physics_file)):
         if not changed.Export(str(path)):
             raise OSError(f"USD could not write {path.name}")
+    return main_file, physics_file

@@ -13,11 +13,11 @@ from pathlib import Path
 
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade
 
+from schemas.identifiers import identifier
 from schemas.physics import Contact
 from schemas.scene.compiled import Point3, Quat_wxyz
 from schemas.scene.program import PairedMaterial
 from schemas.scene.samples import SampledLighting
-from usdio.names import identifier
 from usdio.write.materials import label_material
 from usdio.write.package import USD_FOLDER
 from usdio.write.physics import author_contact_values

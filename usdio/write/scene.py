@@ -15,9 +15,9 @@ from pathlib import Path
 
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics
 
+from schemas.identifiers import unique_identifiers
 from schemas.physical_constants import GRAVITY_MPS2
 from schemas.scene.compiled import CompiledScene, PlacedObject
-from usdio.names import prim_names
 from usdio.write.package import USD_FOLDER
 from usdio.write.physics import author_contact_material
 from usdio.write.primitive import CONTACT, DENSITY_KGM3, author_primitive
@@ -76,7 +76,7 @@ def write_scene(scene: CompiledScene, library: Path | None, file: Path) -> Path:
 
 def object_prims(scene: CompiledScene) -> Sequence[str]:
     """The prim names below `/World/Objects`, in the order of the objects of the scene."""
-    return tuple(prim_names([item.id for item in scene.objects], "object"))
+    return tuple(unique_identifiers([item.id for item in scene.objects], "object"))
 
 
 def author_physics_scene(stage: Usd.Stage) -> None:

@@ -7,12 +7,11 @@ from collections.abc import Mapping
 from schemas.diagnostics import Diagnostic, finding
 from schemas.model import Model
 from usdio.write.mesh_materials import material_prim_names
-from usdio.write.meshes import mesh_prim_names
 
 
 def source_names(model: Model) -> dict[str, str]:
     """Prim path below the root (`Visuals/cup`, `Materials/glaze`) -> source name, of every mesh and material."""
-    meshes = {f"Visuals/{prim}": name for prim, name in mesh_prim_names(model).items()}
+    meshes = {f"Visuals/{mesh_id}": mesh.name for mesh_id, mesh in model.meshes_by_id.items()}
     return meshes | {f"Materials/{prim}": name for prim, name in material_prim_names(model).items()}
 
 

@@ -3,44 +3,47 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
+from assetkit.readers.source_format import Signature
 from schemas.diagnostics import InvalidInput, Location, finding
 
 LFS_POINTER = b"version https://git-lfs.github.com/spec/"
-# (what it is, extensions under which it is expected, first bytes)
-_MAGIC: tuple[tuple[str, tuple[str, ...], bytes], ...] = (
-    ("binary glTF", ("glb",), b"glTF"),
-    ("USD crate", ("usd", "usdc"), b"PXR-USDC"),
-    ("USD text", ("usd", "usda"), b"#usda"),
-    ("a ZIP archive", ("usdz",), b"PK\x03\x04"),
-    ("PLY", ("ply",), b"ply\n"),
-    ("PLY", ("ply",), b"ply\r"),
-    ("binary FBX", (), b"Kaydara FBX Binary"),
-    ("a Blender file", ("blend",), b"BLENDER"),
-    ("a PNG image", (), b"\x89PNG\r\n"),
-    ("a JPEG image", (), b"\xff\xd8\xff"),
-    ("a PDF document", (), b"%PDF-"),
-    ("gzip data", ("blend",), b"\x1f\x8b\x08"),
-    ("a 7z archive", (), b"7z\xbc\xaf\x27\x1c"),
-    ("a RAR archive", (), b"Rar!\x1a\x07"),
+# Content that is no source format, by its first bytes; expected under the extensions given.
+_OTHER_CONTENT = (
+    Signature("binary FBX", b"Kaydara FBX Binary"),
+    Signature("a Blender file", b"BLENDER", (".blend",)),
+    Signature("a PNG image", b"\x89PNG\r\n"),
+    Signature("a JPEG image", b"\xff\xd8\xff"),
+    Signature("a PDF document", b"%PDF-"),
+    Signature("gzip data", b"\x1f\x8b\x08", (".blend",)),
+    Signature("a 7z archive", b"7z\xbc\xaf\x27\x1c"),
+    Signature("a RAR archive", b"Rar!\x1a\x07"),
 )
+# Other files than source formats that build on a text syntax.
+_OTHER_TEXTS = {"XML": (".urdf", ".xml", ".sdf", ".xacro"), "JSON": (".json",)}
 _HTML = re.compile(rb"\s*(<!--.*?-->\s*)*<(!doctype\s+html|html|head|body)\b", re.IGNORECASE | re.DOTALL)
 _XML = re.compile(rb"\s*<(\?xml|collada\b)", re.IGNORECASE)
 _JSON = re.compile(rb'\s*\{\s*"')
 
 
 def sniff(data: bytes) -> tuple[str, tuple[str, ...]] | None:
-    """The format by the first bytes: its name and extensions (lower case, no dot). None if they match no format."""
+    """The content by the first bytes: its name and extensions (lower case, with dot). None if they match nothing."""
+    from assetkit.readers.by_format import FORMATS  # The readers in that table import this module.
+
     head = data[:4096].removeprefix(b"\xef\xbb\xbf")
-    for name, extensions, magic in _MAGIC:
-        if head.startswith(magic):
-            return name, extensions
+    of_formats = [replace(s, extensions=s.extensions or row.extensions) for row in FORMATS for s in row.magic]
+    for signature in (*of_formats, *_OTHER_CONTENT):
+        if head.startswith(signature.first_bytes):
+            return signature.content, signature.extensions
     if _HTML.match(head):
         return "an HTML page", ()
-    if _XML.match(head):
-        return "XML", ("dae", "urdf", "xml", "sdf", "xacro")
-    if _JSON.match(head):
-        return "JSON", ("gltf", "json")
+    for syntax, beginning in (("XML", _XML), ("JSON", _JSON)):
+        if beginning.match(head):
+            return syntax, (
+                *(e for row in FORMATS if row.syntax == syntax for e in row.extensions),
+                *_OTHER_TEXTS[syntax],
+            )
     return None
 
 
@@ -53,7 +56,7 @@ def screen(data: bytes, extension: str, *, where: Location) -> None:
     if data.lstrip()[: len(LFS_POINTER)] == LFS_POINTER:
         raise InvalidInput(finding("asset/lfs-pointer", "git-LFS pointer text stands in for the asset", where=where))
     known = sniff(data)
-    if known is not None and extension not in known[1]:
+    if known is not None and f".{extension}" not in known[1]:
         raise InvalidInput(
             finding(
                 "asset/wrong-content",

@@ -22,7 +22,8 @@ from random import Random
 
 from assetkit.batch.item_cells import LOST_CODES, Batch, run_items
 from assetkit.options import Options
-from assetkit.sources.discover import MESH_FORMATS, discover
+from assetkit.readers.by_format import MESH_FORMATS
+from assetkit.sources.discover import discover
 from benchmarks.assets.fuzz.mutations import mutate
 from cli.engines import SIMULATOR
 from jobs.cell import Limits

@@ -10,9 +10,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.category import category_sizes, known_category, labels
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-category-size"
+CODE = DiagnosticCode(
+    "asset/gate-category-size",
+    "The asset is too large or too small for its category",
+    "A mug of three metres has the wrong unit or the wrong label.",
+    "check the unit of the source and the category label",
+)
 _FAR_FACTOR = 3.0  # times beyond the range: the unit or the label is wrong; below, it may be a toy or a giant
 
 

@@ -12,9 +12,15 @@ from pxr import Kind, Usd, UsdGeom
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-default-prim"
+CODE = DiagnosticCode(
+    "asset/gate-default-prim",
+    "The package has no single, placeable component as its default prim",
+    "Referencing the file would bring in nothing, or less than the asset.",
+    "put everything under one Xform, make it the default prim with kind component",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -10,9 +10,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import EXTENT_TOLERANCE, at, format_numbers
 from geom.pose import apply, inverse
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-extent"
+CODE = DiagnosticCode(
+    "asset/gate-extent",
+    "The visible size is impossible, unusual or differs from the stated one",
+    "Scenes are laid out by the stated size; millimetres read as metres are 1000 times too large.",
+    "correct the scale, or state the size the asset has",
+)
 POSSIBLE_LEAST_M, POSSIBLE_MOST_M = 1e-4, 1e4  # as `asset/scale-implausible`
 USUAL_LEAST_M, USUAL_MOST_M = 0.999e-3, 50.0  # A grain of rice has 6 mm, an articulated bus 18 m.
 

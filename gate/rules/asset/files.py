@@ -14,9 +14,15 @@ from pxr import Sdf, UsdShade
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
 
-CODE = "asset/gate-missing-file"
+CODE = DiagnosticCode(
+    "asset/gate-missing-file",
+    "A file the package names is absent",
+    "The surface loses its picture, or the asset a part, on every machine but, at best, one.",
+    "put the file into the package and name it by a relative path",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

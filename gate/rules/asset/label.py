@@ -9,9 +9,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.category import UNKNOWN, category_sizes, known_category, labels, words
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-label"
+CODE = DiagnosticCode(
+    "asset/gate-label",
+    "A semantic label is missing, malformed or contradicted",
+    "Whoever trains on the labels learns the wrong thing.",
+    "make the class label, the Wikidata code, the metadata and the name agree",
+)
 _QCODE = re.compile(r"Q[1-9][0-9]*")
 
 

@@ -10,9 +10,15 @@ import numpy as np
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import STATED_TOLERANCE, at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-metadata"
+CODE = DiagnosticCode(
+    "asset/gate-metadata",
+    "The metadata state another mass or number of bodies than there are",
+    "Catalogues and schedulers read the metadata, not the prims.",
+    "write the metadata again from the prims",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

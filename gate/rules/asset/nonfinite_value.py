@@ -10,9 +10,15 @@ import numpy as np
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-nonfinite-value"
+CODE = DiagnosticCode(
+    "asset/gate-nonfinite-value",
+    "An engine parameter is not a number",
+    "NaN spreads through a solver in one step.",
+    "remove the attribute or give it a number",
+)
 VENDORS = ("physx", "newton:", "mjc:", "limit:", "state:")
 
 

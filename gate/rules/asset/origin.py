@@ -10,9 +10,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.body import diagonal
 from gate.subject.values import at, format_numbers
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-origin"
+CODE = DiagnosticCode(
+    "asset/gate-origin",
+    "The asset frame is not at the bottom centre of the object",
+    "Scenes place the origin on a support; the object would float, sink or stand beside the spot.",
+    "leave the default prim untransformed and move the points",
+)
 _ORIGIN_SHARE = 0.01  # of the diagonal
 
 

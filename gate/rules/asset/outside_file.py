@@ -15,9 +15,15 @@ from pxr import Ar, Sdf
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Location, finding
 
-CODE = "asset/gate-outside-file"
+CODE = DiagnosticCode(
+    "asset/gate-outside-file",
+    "A file lies outside the package",
+    "Whoever receives the folder does not receive that file.",
+    "copy the file into the package and name it by a relative path",
+)
 _ABSOLUTE = re.compile(r"^(/|\\|[A-Za-z]:[\\/]|[A-Za-z][A-Za-z0-9+.-]+://)")
 
 

@@ -13,9 +13,15 @@ from pxr import UsdGeom, UsdPhysics
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, format_numbers, number, vector
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-physics-scene"
+CODE = DiagnosticCode(
+    "asset/gate-physics-scene",
+    "The file brings its own gravity, or an impossible one",
+    "Two scenes in one world compete; gravity that is zero, sideways or huge is rarely meant.",
+    "leave the PhysicsScene to the world the asset is placed in",
+)
 LEAST_MPS2, MOST_MPS2 = 1.0, 30.0  # The Moon has 1.6, Jupiter 24.8.
 _DOWNWARD_COSINE = 0.99  # cosine of about 8 degrees
 

@@ -14,9 +14,15 @@ from gate.subject import Body, Subject
 from gate.subject.category import UNKNOWN, labels, words
 from gate.subject.values import STATED_TOLERANCE, at, format_numbers, number, quaternion, vector
 from geom.mass.principal_axes import inertia_from_principal
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-record"
+CODE = DiagnosticCode(
+    "asset/gate-record",
+    "The USD and its record.json state different things",
+    "One of the two was changed after release, so neither can be trusted.",
+    "ingest the source again, or carry the change over into both",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -8,9 +8,15 @@ from pathlib import Path
 
 from gate.rules.rule import Rule
 from gate.subject import Subject
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Location, finding
 
-CODE = "asset/gate-record-file"
+CODE = DiagnosticCode(
+    "asset/gate-record-file",
+    "A file of the package is not the one its record.json was written for",
+    "It was changed, replaced or removed after release, so no figure of the record holds for it.",
+    "restore the file, or ingest the source again; a change that is meant needs a new record",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-time-samples"
+CODE = DiagnosticCode(
+    "asset/gate-time-samples",
+    "Values of the asset are animated",
+    "Engines read physics at the default time only; an asset at rest has no motion of its own.",
+    "author default values instead of time samples",
+)
 PHYSICS = ("physics:", "drive:", "limit:", "physx", "newton:", "mjc:")
 
 

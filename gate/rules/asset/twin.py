@@ -15,9 +15,15 @@ from gate.subject import Subject
 from gate.subject.inertial import mass_centre, stated_inertia
 from gate.subject.values import STATED_TOLERANCE, at, format_numbers
 from schemas.arrays import FloatArray
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Location, finding
 
-CODE = "asset/gate-twin"
+CODE = DiagnosticCode(
+    "asset/gate-twin",
+    "The USD and its URDF twin state different mass properties",
+    "The same object would move differently in two simulators; one of the files was changed after release.",
+    "ingest the source again, or carry the change over into both",
+)
 
 
 class Twin(NamedTuple):

@@ -9,9 +9,15 @@ import numpy as np
 
 from gate.rules.rule import Rule
 from gate.subject import Subject
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-units"
+CODE = DiagnosticCode(
+    "asset/gate-units",
+    "The package is not in metres, kilograms and z-up",
+    "Simulators read the numbers as they stand; other units make every length and mass wrong.",
+    "set metersPerUnit and kilogramsPerUnit to 1 and upAxis to Z, and convert the values",
+)
 EXPECTED: dict[str, float | str] = {"metersPerUnit": 1.0, "kilogramsPerUnit": 1.0, "upAxis": "Z"}
 # What USD assumes where nothing is stated. A mass scale of 1 is harmless; centimetres and y-up are not.
 FALLBACK: dict[str, float | str] = {"metersPerUnit": 0.01, "kilogramsPerUnit": 1.0, "upAxis": "Y"}

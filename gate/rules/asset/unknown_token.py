@@ -13,9 +13,15 @@ from pxr import Sdf
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-unknown-token"
+CODE = DiagnosticCode(
+    "asset/gate-unknown-token",
+    "An attribute has a value that its schema does not know",
+    "Each reader falls back to something else.",
+    "use one of the tokens named",
+)
 # Vocabularies that engines extend in schemas of their own.
 EXTENDED = {"physics:approximation": ("sdf", "sphereFill")}
 

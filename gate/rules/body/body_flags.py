@@ -9,9 +9,15 @@ import numpy as np
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, flag, number
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-body-flags"
+CODE = DiagnosticCode(
+    "asset/gate-body-flags",
+    "A body is disabled, kinematic, asleep, locked or weightless",
+    "It hangs in the air or cannot be moved, and nothing on the screen says why.",
+    "set rigidBodyEnabled true, kinematicEnabled and startsAsleep false, and leave gravity on",
+)
 # attribute, what it means when true, and how grave that is on a file that claims nothing
 FLAGS = (
     ("physics:kinematicEnabled", "the body is kinematic: nothing it meets can move it", Severity.WARNING),

@@ -9,9 +9,15 @@ import numpy as np
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, format_numbers
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-body-scale"
+CODE = DiagnosticCode(
+    "asset/gate-body-scale",
+    "A rigid body is scaled, sheared or mirrored",
+    "Engines drop, bake or misread the scale of a body, each in its own way.",
+    "apply the scale to the points and leave the body at scale 1",
+)
 _SCALE_TOLERANCE = 1e-4
 
 

@@ -10,9 +10,15 @@ from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.body import SKIN_M, hull_of, stacked
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-density"
+CODE = DiagnosticCode(
+    "asset/gate-density",
+    "Mass and volume give a density no material has",
+    "The object would push like lead or float like smoke.",
+    "check the mass, the scale and the colliders against each other",
+)
 LEAST_KGM3, MOST_KGM3 = 1.0, 25000.0  # A balloon; a little above osmium, the densest element.
 USUAL_LEAST_KGM3, USUAL_MOST_KGM3 = 4.0, 12000.0  # A lampshade; a little above lead.
 

@@ -12,9 +12,15 @@ from gate.subject import Body, Subject
 from gate.subject.body import SKIN_M
 from gate.subject.contact import contact_material
 from gate.subject.values import at, number
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-density-stated"
+CODE = DiagnosticCode(
+    "asset/gate-density-stated",
+    "The mass contradicts the density of the contact material",
+    "Either the mass or the material is wrong; engines that compute mass from density differ from the others.",
+    "make physics:mass and physics:density of the material agree",
+)
 MOST_MASS_RATIO = 1.5  # Colliders may be a little smaller than the solid.
 
 

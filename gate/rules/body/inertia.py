@@ -14,9 +14,15 @@ from pxr import UsdPhysics
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, format_numbers, quaternion, vector
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-inertia"
+CODE = DiagnosticCode(
+    "asset/gate-inertia",
+    "The moments of inertia belong to no real body",
+    "Engines become unstable or replace the tensor by their own.",
+    "recompute the principal moments and axes from the solid",
+)
 _PRINCIPAL_TOLERANCE = 1e-4  # Moments and axes are stored in single precision.
 
 

@@ -10,9 +10,15 @@ from gate.subject.body import stacked
 from gate.subject.inertial import mass_centre, stated_inertia
 from gate.subject.values import at
 from geom.mass.inertia_bounds import rms_distance_and_bound
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-inertia-reach"
+CODE = DiagnosticCode(
+    "asset/gate-inertia-reach",
+    "A moment of inertia is larger than that mass inside the shape can have",
+    "Even with all mass at the far ends of the object it could not turn so slowly.",
+    "recompute the inertia in kg m2 about the mass centre, or correct scale and mass",
+)
 SLACK = 0.01  # of the diagonal, on each side: colliders may be tighter than the solid
 
 

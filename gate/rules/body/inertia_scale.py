@@ -11,9 +11,15 @@ from gate.subject import Body, Subject
 from gate.subject.inertial import shows_one_material, stated_inertia
 from gate.subject.values import at
 from geom.mass.inertia import sheet_volume
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-inertia-scale"
+CODE = DiagnosticCode(
+    "asset/gate-inertia-scale",
+    "The inertia does not fit mass and shape",
+    "The object would spin far too easily or hardly at all.",
+    "recompute the inertia in kg m2 about the mass centre",
+)
 # Against the colliders filled evenly with the same mass: a hollow box has 5/3, a box of edges alone 7/3 of its
 # inertia, a lamp with a lead foot a fifth. One order of magnitude is out either way.
 LEAST_INERTIA_RATIO, MOST_INERTIA_RATIO = 0.125, 4.0

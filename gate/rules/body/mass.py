@@ -14,9 +14,15 @@ from pxr import UsdPhysics
 from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.values import at, authored, number
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-mass"
+CODE = DiagnosticCode(
+    "asset/gate-mass",
+    "A body has no possible mass",
+    "Engines then invent one (often 1 kg) or refuse the body.",
+    "author physics:mass in kilograms on the body, with PhysicsMassAPI applied",
+)
 LEAST_KG, MOST_KG = 1e-7, 1e6  # A grain of salt weighs 6e-8 kg, a loaded truck 4e4 kg.
 
 

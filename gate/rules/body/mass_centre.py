@@ -11,9 +11,15 @@ from gate.subject import Body, Subject
 from gate.subject.body import diagonal, hull_of, stacked
 from gate.subject.values import at, vector
 from schemas.arrays import FloatArray
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-mass-centre-outside"
+CODE = DiagnosticCode(
+    "asset/gate-mass-centre-outside",
+    "The mass centre lies outside the colliders",
+    "The object would topple or balance in ways its shape forbids.",
+    "check the frame of physics:centerOfMass: it is the body's own",
+)
 _OUTSIDE_SHARE = 0.01  # of the diagonal: colliders may be tighter than the solid by their fidelity
 _UNSTATED = -np.inf  # UsdPhysicsMassAPI: the engine computes it
 

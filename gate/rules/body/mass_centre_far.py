@@ -10,9 +10,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.inertial import mass_centre, shows_one_material
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-mass-centre-far"
+CODE = DiagnosticCode(
+    "asset/gate-mass-centre-far",
+    "The mass centre is far from the middle of the body",
+    "Few things are that much heavier at one end; an origin left as mass centre looks like this.",
+    "recompute physics:centerOfMass from the solid, in the frame of the body",
+)
 # Shares of the diagonal. A hammer with a steel head reaches 0.25; packages that show one material stay below 0.07.
 MOST_OFFSET_SHARE, ONE_MATERIAL_SHARE = 0.3, 0.12
 

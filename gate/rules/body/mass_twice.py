@@ -13,9 +13,15 @@ from pxr import UsdPhysics
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, number
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-mass-twice"
+CODE = DiagnosticCode(
+    "asset/gate-mass-twice",
+    "Mass is stated more than once",
+    "The body's mass wins, so the other number is dead or the mistake.",
+    "keep the mass on the body and remove masses and densities below it",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-nested-body"
+CODE = DiagnosticCode(
+    "asset/gate-nested-body",
+    "A rigid body lies below another one, or inside an instance",
+    "Engines either tear nested bodies apart or weld them together; instances cannot hold bodies.",
+    "put bodies side by side, or join the inner to the outer one",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -9,9 +9,15 @@ import numpy as np
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, format_numbers, quaternion
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-transform"
+CODE = DiagnosticCode(
+    "asset/gate-transform",
+    "A transform is not finite or flattens its prim",
+    "Positions, volumes and normals below it are undefined.",
+    "correct the transform operations of the prim and its ancestors",
+)
 _LEAST_SCALE = 1e-9
 _QUATERNION_LENGTH_TOLERANCE = 1e-3
 

@@ -9,9 +9,15 @@ import numpy as np
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, format_numbers, vector
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-velocity"
+CODE = DiagnosticCode(
+    "asset/gate-velocity",
+    "A body starts with a velocity",
+    "It leaves its place in the first step.",
+    "remove physics:velocity and physics:angularVelocity",
+)
 NAMES = {"physics:velocity": "units/s", "physics:angularVelocity": "deg/s"}
 
 

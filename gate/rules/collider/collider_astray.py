@@ -12,9 +12,15 @@ from gate.subject import Body, Collider, Subject
 from gate.subject.body import diagonal
 from gate.subject.values import at
 from schemas.arrays import BoolArray, FloatArray
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-collider-astray"
+CODE = DiagnosticCode(
+    "asset/gate-collider-astray",
+    "A single collider stands away from the visible surface",
+    "Things bump into empty space.",
+    "check place and scale of the collider named",
+)
 # Shares of the diagonal. The mean over the points of a collider, because one corner of a fitted sliver may reach far.
 NEAR, MOST_MEAN = 0.02, 0.025
 _CLOUD_SAMPLES = 6000

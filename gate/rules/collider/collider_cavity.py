@@ -15,10 +15,17 @@ from geom.convex.hull import volume
 from geom.decomposition.fidelity import measure_fidelity
 from geom.features.cavities import find_cavities
 from geom.mesh.weld import weld_points
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 from schemas.physics import CollisionShape, Solid
 
-CODE = "asset/gate-collider-cavity"
+CODE = DiagnosticCode(
+    "asset/gate-collider-cavity",
+    "Colliders close an opening, or let out what lies in it",
+    "A mug takes nothing, or loses what is put into it.",
+    "decompose the collision shape around the opening, or ingest the source again",
+    severity="warning",
+)
 MOST_POURED_TRIANGLES = 100_000  # Pouring takes about a second for so many.
 FULL = 0.95  # A body that fills its hull by this share has no cavity worth testing.
 

@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, flag
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-collider-not-convex"
+CODE = DiagnosticCode(
+    "asset/gate-collider-not-convex",
+    "A moving mesh collider is not convex",
+    "Engines refuse concave moving meshes or let them fall through the floor.",
+    "decompose the mesh and set physics:approximation to convexHull",
+)
 CONVEX = ("convexHull", "convexDecomposition", "boundingCube", "boundingSphere")
 
 

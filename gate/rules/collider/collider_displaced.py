@@ -11,9 +11,15 @@ from gate.subject import Body, Subject
 from gate.subject.body import diagonal
 from gate.subject.values import at
 from geom.convex.penetration import even_directions
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-collider-displaced"
+CODE = DiagnosticCode(
+    "asset/gate-collider-displaced",
+    "Colliders and visible surface do not coincide",
+    "Contacts would happen where nothing is seen.",
+    "check place, scale and completeness of the colliders",
+)
 # Shares of the diagonal of the visible bounds. Packages meet all three with room; elsewhere one coarse box is usual.
 MOST_GAP, MOST_SHIFT, MOST_GROWTH = 0.1, 0.025, 0.06
 SUSPICIOUS_SHIFT = 0.0125  # packages of real assets stay below 0.007

@@ -11,9 +11,15 @@ from gate.subject import Body, Subject
 from gate.subject.body import diagonal, stacked
 from gate.subject.values import at
 from schemas.arrays import FloatArray
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-collider-incomplete"
+CODE = DiagnosticCode(
+    "asset/gate-collider-incomplete",
+    "Part of the visible surface has no collider",
+    "A hand reaches into what looks solid.",
+    "add the missing collision shapes, or enable them",
+)
 REACH = 0.05  # of the diagonal
 MOST_UNCOVERED_SHARE, ELSEWHERE_SHARE = 0.02, 0.5
 _FACE_SAMPLES = 1000

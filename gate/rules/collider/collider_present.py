@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-no-collider"
+CODE = DiagnosticCode(
+    "asset/gate-no-collider",
+    "A moving body has no collider, or a disabled one",
+    "It falls through everything.",
+    "add collision shapes below the body and enable them",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-collider-rendered"
+CODE = DiagnosticCode(
+    "asset/gate-collider-rendered",
+    "A collider is drawn on top of the visible surface",
+    "Pictures and segmentation show hulls instead of the object.",
+    "set purpose to guide on the collider",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

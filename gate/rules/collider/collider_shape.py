@@ -14,9 +14,15 @@ from gate.rules.rule import Rule
 from gate.subject import Collider, Subject
 from gate.subject.body import diagonal
 from gate.subject.values import at, format_numbers
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-collider-shape"
+CODE = DiagnosticCode(
+    "asset/gate-collider-shape",
+    "A collider has a shape engines do not take as it is",
+    "Flat hulls abort MuJoCo, uneven spheres become something else, dents are filled up.",
+    "give every hull volume, at most 64 points and no dents; scale round shapes evenly",
+)
 USUAL_POINTS, MOST_POINTS = 64, 255  # PhysX on a GPU, PhysX at all
 MOST_COLLIDERS = 128
 ROUND = ("Sphere", "Capsule", "Capsule_1", "Cylinder", "Cylinder_1", "Cone")

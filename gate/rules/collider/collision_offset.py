@@ -9,9 +9,15 @@ import numpy as np
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, number
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-collision-offset"
+CODE = DiagnosticCode(
+    "asset/gate-collision-offset",
+    "Contact and rest offsets are out of order",
+    "Objects float above what they stand on or sink into it; engines refuse a rest offset above the contact one.",
+    "remove the offsets or keep 0 <= restOffset <= contactOffset, both small",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

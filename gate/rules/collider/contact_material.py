@@ -8,9 +8,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.contact import bound_material, contact_material
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-contact-material"
+CODE = DiagnosticCode(
+    "asset/gate-contact-material",
+    "A collider has no contact material",
+    "Friction is then whatever the engine defaults to.",
+    "bind a Material with PhysicsMaterialAPI for purpose physics to every collider",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

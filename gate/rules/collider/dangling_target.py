@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-dangling-target"
+CODE = DiagnosticCode(
+    "asset/gate-dangling-target",
+    "A physics relationship names a prim that does not exist",
+    "The filter, group or scene that was meant has no effect.",
+    "name an existing prim or remove the target",
+)
 PREFIXES = ("physics:", "physx", "newton:", "mjc:", "collection:colliders:")
 ELSEWHERE = ("physics:body0", "physics:body1")  # the joint-bodies rule
 

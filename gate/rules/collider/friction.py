@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, authored, number
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-friction"
+CODE = DiagnosticCode(
+    "asset/gate-friction",
+    "Friction is impossible, missing or static below dynamic",
+    "Static friction below dynamic, or below zero, gives jitter or is ignored.",
+    "set static >= dynamic >= 0 friction, for dry pairs below 1.5",
+)
 USUAL_MOST, MOST = 2.0, 10.0  # Rubber on dry concrete reaches 1.2, racing tyres 2.
 LEAST_DYNAMIC_SHARE = 0.2  # Dry pairs keep 0.6 to 0.95 of their friction once they slide.
 _FRICTION_ROUNDING = 1e-6

@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, number
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-restitution"
+CODE = DiagnosticCode(
+    "asset/gate-restitution",
+    "Restitution lies outside 0 to 1",
+    "Above 1 every bounce adds energy; below 0 is undefined.",
+    "set physics:restitution between 0 and 1",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

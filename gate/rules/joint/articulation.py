@@ -13,9 +13,15 @@ from pxr import UsdPhysics
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-articulation"
+CODE = DiagnosticCode(
+    "asset/gate-articulation",
+    "The links form no tree",
+    "Reduced-coordinate solvers refuse loops and nested roots; a link joined to nothing drops off.",
+    "apply one articulation root, join every link, exclude loop closers from the articulation",
+)
 _WORLD = ""
 
 

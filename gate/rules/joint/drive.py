@@ -11,9 +11,15 @@ from gate.subject import Joint, Subject
 from gate.subject.joint import ONE_DOF_KINDS
 from gate.subject.limits import instances
 from gate.subject.values import at, number, text
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-drive"
+CODE = DiagnosticCode(
+    "asset/gate-drive",
+    "A drive has impossible gains or nothing to drive",
+    "Negative gains push away from the target; infinite ones end the simulation in NaN.",
+    "keep stiffness, damping and maxForce finite and >= 0, and match the drive to the joint type",
+)
 MOST_GAIN = 1e12
 MATCHING = {"revolute": ("angular", "rotX", "rotY", "rotZ"), "prismatic": ("linear", "transX", "transY", "transZ")}
 _NAMES = ("stiffness", "damping", "maxForce")

@@ -10,9 +10,15 @@ from gate.rules.rule import Rule
 from gate.subject import Body, Subject
 from gate.subject.body import diagonal, stacked
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-joint-anchor"
+CODE = DiagnosticCode(
+    "asset/gate-joint-anchor",
+    "A hinge lies far away from its bodies",
+    "The link would swing round a point in the air.",
+    "check localPos0 and localPos1: they are in the frames of the bodies",
+)
 ANCHOR_BODY_SIZES, ANCHOR_ASSET_SIZES = 1.0, 0.5  # of the body, of the whole asset
 
 

@@ -10,9 +10,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.joint import AXES
 from gate.subject.values import at, format_numbers, quaternion, vector
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-joint-axis"
+CODE = DiagnosticCode(
+    "asset/gate-joint-axis",
+    "A joint frame is no frame",
+    "An unknown axis or a quaternion of another length than 1 is read differently by every engine.",
+    "use axis X, Y or Z, finite positions and unit quaternions",
+)
 _AXIS_LENGTH_TOLERANCE = 1e-3
 
 

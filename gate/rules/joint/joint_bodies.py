@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Joint, Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-joint-bodies"
+CODE = DiagnosticCode(
+    "asset/gate-joint-bodies",
+    "A joint does not join two different bodies",
+    "Engines ignore it, weld something to the world, or refuse the file.",
+    "name one existing body in body0 and another one in body1",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -9,9 +9,15 @@ import numpy as np
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, number
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-joint-flags"
+CODE = DiagnosticCode(
+    "asset/gate-joint-flags",
+    "A joint is disabled, breaks or has negative friction",
+    "The mechanism falls apart or gains energy.",
+    "enable the joint, leave break force and torque infinite, keep damping and friction positive",
+)
 BREAKS = ("physics:breakForce", "physics:breakTorque")
 NOT_NEGATIVE = (
     "physxJoint:armature",

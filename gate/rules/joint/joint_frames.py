@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-joint-frames"
+CODE = DiagnosticCode(
+    "asset/gate-joint-frames",
+    "The two sides of a joint disagree in the rest pose",
+    "The solver snaps the bodies together in the first step, with any force it takes.",
+    "recompute localPos and localRot of one side from the other and the poses of the bodies",
+)
 GAP_M, TILT_DEG = 1e-3, 0.5
 _GAP_SHARE = 1e-3  # of the joined bodies, for cranes
 _TINY_SHARE = 0.02  # of the joined bodies, for watches

@@ -14,9 +14,15 @@ from gate.subject import Joint, Subject
 from gate.subject.joint import ONE_DOF_KINDS
 from gate.subject.limits import axis_limits
 from gate.subject.values import at, number
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-joint-limits"
+CODE = DiagnosticCode(
+    "asset/gate-joint-limits",
+    "Joint limits are inverted or missing",
+    "The joint locks, or moves freely, depending on the engine.",
+    "state lower <= upper, in degrees for hinges and metres for slides",
+)
 CONE_DEG = 180.0
 
 

@@ -9,9 +9,15 @@ from gate.subject import Joint, Subject
 from gate.subject.joint import ONE_DOF_KINDS
 from gate.subject.overlap import deepest_penetration, hulls_along_motion, hulls_of
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-joint-motion"
+CODE = DiagnosticCode(
+    "asset/gate-joint-motion",
+    "A joint drives one link through the other",
+    "The axis, the place of the joint or a limit is wrong: the drawer leaves through the side of its cabinet.",
+    "check physics:axis, localPos, localRot and the limits; look at the asset at both limits",
+)
 MOTION_LEAST_M, MOTION_LEAST_SHARE = 0.01, 0.05  # of the smaller diagonal
 MOTION_THROUGH = 0.9  # of the thinner hull
 _MOTION_SHARES = (0.1, 0.25)  # of the way to each limit; near its limits many a robot can touch itself

@@ -10,9 +10,15 @@ from gate.rules.rule import Rule
 from gate.subject import Joint, Subject
 from gate.subject.joint import ONE_DOF_KINDS
 from gate.subject.values import at, format_numbers
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-joint-range"
+CODE = DiagnosticCode(
+    "asset/gate-joint-range",
+    "The range of a joint is none a mechanism has",
+    "Radians read as degrees make a door that moves by a hair, millimetres as metres a drawer that flies away.",
+    "check the unit: USD wants degrees for hinges and stage units for slides",
+)
 MOST_DEG = 1080.0  # Three turns each way; a valve or screw with more has infinite limits.
 RADIANS_LEAST, RADIANS_MOST = 0.7, 2.0 * np.pi * 1.01
 SLIDE_ASSET_SIZES = 1.5

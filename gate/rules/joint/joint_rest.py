@@ -10,9 +10,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.joint import ONE_DOF_KINDS
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-joint-rest"
+CODE = DiagnosticCode(
+    "asset/gate-joint-rest",
+    "A joint starts outside its limits",
+    "The solver throws the body inside at once.",
+    "shift the limits, or author the bodies in a pose within them",
+)
 _TOLERANCE = {"revolute": 0.5, "prismatic": 1e-3}  # degrees, metres
 _FAR_SHARE = 0.5  # of the range: beyond, limits or frames are wrong; below, some robots have such a zero pose
 

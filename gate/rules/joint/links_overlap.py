@@ -13,9 +13,15 @@ from gate.subject.filters import may_collide
 from gate.subject.overlap import deepest_penetration, hulls_along_motion, hulls_of
 from gate.subject.values import at
 from geom.convex.penetration import shared_volume
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
 
-CODE = "asset/gate-links-overlap"
+CODE = DiagnosticCode(
+    "asset/gate-links-overlap",
+    "Links occupy the same space at rest",
+    "They burst apart in the first step, or never move.",
+    "move the links apart, shrink their colliders, or filter pairs that are meant to overlap",
+)
 REST_LEAST_M, REST_LEAST_SHARE = 2e-3, 0.01  # of the smaller diagonal: what fitted hulls are off by
 SWALLOWED = 0.5  # of the smaller body's volume
 REST_THROUGH = 0.5  # of the thinner hull: a joint housing stays well below, a board stuck in another one does not

@@ -15,9 +15,15 @@ from geom.mesh.edges import edges_of
 from geom.mesh.topology import repeats_point
 from geom.mesh.weld import weld_points
 from geom.repair.sheet_orientation import SkyVisibility
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-inverted-mesh"
+CODE = DiagnosticCode(
+    "asset/gate-inverted-mesh",
+    "A visible surface is inside out",
+    "Back-face culling makes it vanish; rays and volumes change sign.",
+    "reverse the winding of the faces, or the orientation of the mesh",
+)
 SIGHT_DIRECTIONS = 64
 LEAST_VOTES, LEAST_OUTWARD_SHARE = 8, 0.2
 MOST_VIEWED_TRIANGLES, MOST_VOTERS = 300_000, 1_000_000  # for the closedness test, for the vote

@@ -12,9 +12,15 @@ from pxr import UsdGeom, UsdShade
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-material-binding"
+CODE = DiagnosticCode(
+    "asset/gate-material-binding",
+    "A material binding leads to no material",
+    "The surface is drawn grey, or the contact uses defaults.",
+    "bind an existing Material prim",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

@@ -9,9 +9,15 @@ import numpy as np
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import EXTENT_TOLERANCE, at, format_numbers, rows
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-mesh-extent"
+CODE = DiagnosticCode(
+    "asset/gate-mesh-extent",
+    "The stated bounds of a mesh are not those of its points",
+    "Viewers cull and frame by the stated bounds, so that the mesh vanishes.",
+    "recompute the extent from the points",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

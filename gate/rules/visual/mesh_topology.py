@@ -14,9 +14,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.read_shape import topology_fault
 from gate.subject.values import TIME, at, integers, rows
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-mesh-topology"
+CODE = DiagnosticCode(
+    "asset/gate-mesh-topology",
+    "Faces or attributes of a mesh do not fit its points",
+    "Renderers drop the mesh, show noise or read foreign memory.",
+    "export the mesh again",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

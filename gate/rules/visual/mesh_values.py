@@ -14,9 +14,15 @@ from pxr import UsdGeom
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at, rows
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-mesh-values"
+CODE = DiagnosticCode(
+    "asset/gate-mesh-values",
+    "A mesh holds NaN or infinity",
+    "One such value poisons bounds, shading and contacts.",
+    "find and fix the values in the array named",
+)
 ARRAYS = {"points": 3, "normals": 3, "extent": 3}
 
 

@@ -16,9 +16,15 @@ from gate.subject import Subject
 from gate.subject.read_shape import topology_fault
 from gate.subject.values import at, integers, rows, text
 from geom.mesh.polygon_triangulation import triangulate_polygons
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-normals"
+CODE = DiagnosticCode(
+    "asset/gate-normals",
+    "Normals point inwards or do not have length 1",
+    "The surface is lit from the wrong side.",
+    "recompute the normals from the faces",
+)
 LEAST_AGREEMENT = 0.0
 LENGTH_TOLERANCE, MOST_OFF = 0.1, 0.01
 

@@ -12,9 +12,15 @@ from pxr import UsdGeom
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-not-visible"
+CODE = DiagnosticCode(
+    "asset/gate-not-visible",
+    "Nothing, or not all, of the asset can be seen",
+    "Cameras see something else than contacts feel.",
+    "give every body a visible mesh with purpose default and visibility inherited",
+)
 _SHOWN = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
 
 

@@ -7,9 +7,15 @@ from collections.abc import Iterator
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-open-mesh"
+CODE = DiagnosticCode(
+    "asset/gate-open-mesh",
+    "A visible surface has holes it was not released with",
+    "One looks through the object.",
+    "restore the faces, or ingest the source again",
+)
 NEARLY_CLOSED = 0.02  # share of edges with one face: below, a sheet was hardly meant
 
 

@@ -13,9 +13,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.shading import shader_id
 from gate.subject.values import at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-shader-network"
+CODE = DiagnosticCode(
+    "asset/gate-shader-network",
+    "A shader network is incomplete",
+    "The material is drawn black or not at all.",
+    "connect the surface output, name every shader's id, and connect only to what exists",
+)
 PORTABLE = "UsdPreviewSurface"
 
 

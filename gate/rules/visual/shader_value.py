@@ -17,9 +17,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.shading import constant_value, own_value, shader_id
 from gate.subject.values import at, format_numbers, rows
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-shader-value"
+CODE = DiagnosticCode(
+    "asset/gate-shader-value",
+    "A shader value is out of range",
+    "Outside its range a shader is undefined: surfaces glow, turn black or reflect more light than they get.",
+    "clamp the value to the range named",
+)
 _SHADER_ROUNDING = 1e-4
 
 

@@ -14,9 +14,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.shading import shader_id
 from gate.subject.values import TIME, at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-texture-coordinates"
+CODE = DiagnosticCode(
+    "asset/gate-texture-coordinates",
+    "A textured mesh lacks texture coordinates",
+    "The picture shrinks to a single colour.",
+    "author the primvar the material reads",
+)
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:

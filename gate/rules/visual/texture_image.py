@@ -15,9 +15,15 @@ from pxr import Ar, Sdf
 from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.values import TIME, at
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, finding
 
-CODE = "asset/gate-texture-image"
+CODE = DiagnosticCode(
+    "asset/gate-texture-image",
+    "A texture file is no readable picture",
+    "The surface loses its picture.",
+    "replace the file named",
+)
 READABLE = (".png", ".jpg", ".jpeg")
 MOST_PIXELS = 16384
 

@@ -15,9 +15,15 @@ from gate.rules.rule import Rule
 from gate.subject import Subject
 from gate.subject.shading import feeding_shader, shader_id
 from gate.subject.values import at, format_numbers, text, vector
+from schemas.codes.code_info import DiagnosticCode
 from schemas.diagnostics import Diagnostic, Severity, finding
 
-CODE = "asset/gate-texture-reader"
+CODE = DiagnosticCode(
+    "asset/gate-texture-reader",
+    "A texture is read in the wrong colour space or scale",
+    "Roughness read as sRGB is off by half; normals that are not unpacked light everything from one side.",
+    "read colours as sRGB and everything else raw; unpack normal maps with scale 2 and bias -1",
+)
 COLOURS = ("diffuseColor", "emissiveColor", "specularColor")
 WRAPS = ("black", "clamp", "repeat", "mirror", "useMetadata")
 NORMAL_SCALE, NORMAL_BIAS = (2.0, 2.0, 2.0, 1.0), (-1.0, -1.0, -1.0, 0.0)

@@ -6,16 +6,16 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
-import pytest
-
-from assetkit.acceptance.targeted_repair import REPAIRS, ROUNDS, repair_until_accepted
+from assetkit.acceptance.targeted_repair import COLLIDER_FAILURES, repair_until_accepted
 from assetkit.stage import Draft
 from assetkit.stage_log import Entry, StageLog
+from assetkit.steps import Retry
 from schemas.asset import Check
 from schemas.diagnostics import finding
 from schemas.outcome import ItemOutcome
 
 UNSTABLE = finding("asset/unstable-settling", "keeps moving")
+RETRY = Retry("physics", COLLIDER_FAILURES, at_most=2)
 
 
 def draft(collider: str) -> Draft:
@@ -50,13 +50,13 @@ def failing() -> StageLog:
 def test_nothing_to_do_changes_nothing():
     log = StageLog({"acceptance": Entry()})
     first = draft("box")
-    assert repair_until_accepted(first, log, Rerun()) == (first, log)
+    assert repair_until_accepted(first, log, RETRY, Rerun()) == (first, log)
     assert log.outcome is ItemOutcome.ACCEPTED
 
 
 def test_a_repair_that_helps_is_recorded_with_figures_and_its_findings_replace_the_old():
     rerun = Rerun("coacd", "hull", good="hull")
-    repaired, log = repair_until_accepted(draft("box"), failing(), rerun)
+    repaired, log = repair_until_accepted(draft("box"), failing(), RETRY, rerun)
     assert rerun.excluded == [("box",), ("box", "coacd")]
     assert repaired.physics is not None
     assert repaired.physics.section.collision_method == "hull"
@@ -68,7 +68,7 @@ def test_a_repair_that_helps_is_recorded_with_figures_and_its_findings_replace_t
 
 def test_when_nothing_helps_the_first_draft_goes_to_review():
     first = draft("box")
-    kept, log = repair_until_accepted(first, failing(), Rerun("coacd", "hull"))
+    kept, log = repair_until_accepted(first, failing(), RETRY, Rerun("coacd", "hull"))
     assert kept is first
     assert log.outcome is ItemOutcome.REVIEW
     assert log.repairs == ()
@@ -77,12 +77,5 @@ def test_when_nothing_helps_the_first_draft_goes_to_review():
 
 def test_rounds_are_bounded():
     rerun = Rerun(*"abcdef")
-    repair_until_accepted(draft("box"), failing(), rerun)
-    assert len(rerun.excluded) == ROUNDS
-
-
-@pytest.mark.parametrize("stage", sorted(set(REPAIRS.values())))
-def test_the_table_names_stages_that_exist(stage: str):
-    from assetkit.pipeline import STAGES
-
-    assert stage in {s.name for s in STAGES}
+    repair_until_accepted(draft("box"), failing(), RETRY, rerun)
+    assert len(rerun.excluded) == RETRY.at_most

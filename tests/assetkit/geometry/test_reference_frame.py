@@ -7,13 +7,11 @@ import pytest
 import trimesh
 
 from assetkit.options import Options
-from assetkit.pipeline import run_stages
+from assetkit.pipeline import STAGES, run_stages
 from assetkit.sources.discover import discover
 from assetkit.stage import Draft, Tools
 from assetkit.stage_log import StageLog
-from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.intake import ReadSource
-from assetkit.stages.semantics import DescribeObject
 from jobs.cache import Cache
 from schemas.arrays import FloatArray
 from sim.fake import FakeSimulator
@@ -28,7 +26,7 @@ def described(folder: Path, name: str, mesh: trimesh.Trimesh, head: str = "", **
     options, log = Options(**stated), StageLog()
     draft = Draft("part", name, ReadSource().run(discover([folder / name])[0], options).objects[0])
     tools = Tools(FakeSimulator(), folder, options)
-    done = run_stages(draft, tools, log, Cache(folder / "store"), "key", (Canonicalize(), DescribeObject()))
+    done = run_stages(draft, tools, log, Cache(folder / "store"), "key", STAGES.up_to("semantics"))
     assert done is not None
     return done, log
 
@@ -93,6 +91,8 @@ def test_an_unknown_normalised_thing_keeps_its_numbers_and_goes_to_a_person(tmp_
 def test_geometry_is_observed_once_more_and_never_again(tmp_path: Path) -> None:
     draft, log = described(tmp_path, "mug.obj", scaled(1000.0))
     tools = Tools(FakeSimulator(), tmp_path, Options())
-    again = run_stages(draft, tools, log, Cache(tmp_path / "store"), "other", (DescribeObject(),))
+    again = run_stages(
+        draft, tools, log, Cache(tmp_path / "store"), "other", STAGES.up_to("semantics").from_stage("semantics")
+    )
     assert again is not None
     assert again.canonicalize is draft.canonicalize

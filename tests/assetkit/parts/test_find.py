@@ -152,7 +152,7 @@ def test_subsets_of_a_package_hold_the_triangles_of_the_part(tmp_path: Path) -> 
     mesh = Mesh("mug", np.asarray(shape.vertices), np.asarray(shape.faces, dtype=np.int32))
     parts = [p.value for p in find_parts({"mug": mesh}, (), declared("mug", "test")).parts]
     stage = Usd.Stage.CreateInMemory()
-    model = Model((mesh,), (), (), (), declared(1.0, "test"), declared("z", "test"))
+    model = Model((mesh,), (), (), (), declared(1.0, "test"), declared("z", "test")).with_mesh_ids()
     author_meshes(stage, Sdf.Path("/mug"), model, materials_per_mesh(model), parts)
     subsets = UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Mesh(stage.GetPrimAtPath("/mug/Visuals/mug")))
     assert {s.GetPrim().GetCustomDataByKey("mana:partLabel") for s in subsets} == {"body", "handle"}

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from assetkit.options import Options
 from assetkit.pipeline import STAGES, run_stages
 from assetkit.pose.front import Front, turn_to_front
-from assetkit.stage import Draft, Intake, Tools, need
+from assetkit.stage import Canonical, Draft, Intake, Interaction, Tools
 from assetkit.stage_log import StageLog
 from benchmarks.assets.made_things import things
 from geom.features.mirror_symmetry import mirror_plane_heading
@@ -36,18 +36,19 @@ def observed(folder: Path, name: str, yaw_rad: float) -> tuple[FloatArray, Draft
     thing = MADE[name]
     points = thing.points @ about_z(yaw_rad).T
     x, y, z = (float(v) for v in np.ptp(points, axis=0))
-    model = Model((Mesh("m", points, thing.triangles),), (), (), (), declared(1.0, "test"), declared("z", "test"))
+    mesh = Mesh("m", points, thing.triangles, id="m")
+    model = Model((mesh,), (), (), (), declared(1.0, "test"), declared("z", "test"))
     options = Options(units="m", up_axis="z", category=thing.category)
     draft = Draft("part", "part.obj", Intake("obj", (), model, (x, y, z)))
     tools, cache = Tools(FakeSimulator(), folder, options), Cache(folder / f"{yaw_rad:.4f}")
-    done = run_stages(draft, tools, StageLog(), cache, "key", STAGES[:4])
+    done = run_stages(draft, tools, StageLog(), cache, "key", STAGES.up_to("interaction"))
     assert done is not None
     return points, done
 
 
 def released(draft: Draft) -> FloatArray:
     """(n, 3) points in the asset frame."""
-    return np.concatenate([m.points for m in need(draft.canonicalize, "canonicalize").meshes])
+    return np.concatenate([m.points for m in draft[Canonical].meshes])
 
 
 def test_a_turned_source_gives_the_same_object(tmp_path: Path) -> None:
@@ -56,12 +57,12 @@ def test_a_turned_source_gives_the_same_object(tmp_path: Path) -> None:
     assert np.ptp(released(straight), axis=0) == pytest.approx(np.ptp(points, axis=0), abs=1e-12)
     points, turned = observed(tmp_path, "mug", np.radians(31.0))
     assert np.abs(released(turned) - released(straight)).max() < 1e-4
-    front = need(turned.interaction, "interaction").front
+    front = turned[Interaction].front
     assert front.direction.value == (1.0, 0.0, 0.0)
     assert front.direction.confidence > 0.5
-    ends = [[(p.value.low_m, p.value.high_m) for p in need(d.interaction, "").parts] for d in (straight, turned)]
+    ends = [[(p.value.low_m, p.value.high_m) for p in d[Interaction].parts] for d in (straight, turned)]
     assert np.allclose(*ends, atol=1e-3)
-    section = need(turned.canonicalize, "canonicalize").section
+    section = turned[Canonical].section
     back = (released(turned) - section.origin_offset_m) @ matrix_of(np.array(section.source_quat_wxyz))
     assert np.allclose(back, points, atol=1e-6)
 
@@ -69,7 +70,7 @@ def test_a_turned_source_gives_the_same_object(tmp_path: Path) -> None:
 def test_what_has_no_front_keeps_its_heading(tmp_path: Path) -> None:
     points, draft = observed(tmp_path, "tumbler called mug", 0.4)
     assert draft.frame is None
-    assert need(draft.interaction, "interaction").front.direction.confidence == 0.0
+    assert draft[Interaction].front.direction.confidence == 0.0
     assert np.allclose(np.ptp(released(draft), axis=0), np.ptp(points, axis=0), atol=1e-9)
 
 

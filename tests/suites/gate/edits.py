@@ -29,6 +29,14 @@ class Defect(NamedTuple):
     severity: str = "error"
 
 
+class Sound(NamedTuple):
+    """What is changed, in which clean package and how, without making it wrong: the gate must report nothing."""
+
+    name: str
+    package: str
+    edit: Edit
+
+
 def prop(name: str, edit: Edit, code: str, severity: str = "error") -> Defect:
     """A defect of the prop."""
     return Defect(name, "prop", edit, f"asset/gate-{code}", severity)

@@ -307,6 +307,7 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/worker-out-of-memory": "tests/assetkit/test_batch.py",
     "asset/internal-error": "tests/assetkit/test_batch.py",
     "asset/storage-failed": "tests/assetkit/test_batch.py",
+    "asset/frame-unsettled": "tests/assetkit/test_pipeline.py",
     "asset/source-missing": "tests/assetkit/test_batch.py",
     "asset/source-unreadable": "tests/assetkit/sources/test_discover.py",
     "asset/output-occupied": "tests/assetkit/test_batch.py",
@@ -333,5 +334,5 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/decision-overruled": "tests/assetkit/batch/test_decisions.py",
     "asset/decision-outdated": "tests/assetkit/batch/test_decisions.py",
     "asset/decision-unreadable": "tests/assetkit/batch/test_decisions.py",
-    "asset/name-sanitised": "tests/usdio/test_names.py",
+    "asset/name-sanitised": "tests/usdio/write/test_source_names.py",
 }

@@ -11,6 +11,7 @@ from tests.suites.gate.edits import (
     CABINET,
     PROP,
     Defect,
+    Sound,
     after_release,
     both,
     cabinet,
@@ -102,3 +103,5 @@ DEFECTS: tuple[Defect, ...] = (
     cabinet("metadata state another mass", metadata("mass", 1.0), "metadata"),
     cabinet("metadata count two bodies", metadata("rigid_body_count", 2), "metadata"),
 )
+
+SOUND: tuple[Sound, ...] = (Sound("another author", "prop", metadata("author", "Ada Lovelace")),)

@@ -18,6 +18,7 @@ from tests.suites.gate.edits import (
     PROP_MATERIAL,
     TYPES,
     Defect,
+    Sound,
     both,
     cabinet,
     heavier,
@@ -97,4 +98,8 @@ DEFECTS: tuple[Defect, ...] = (
     prop("mass centre aside within the hull", put(PROP, CENTRE, Gf.Vec3f(0.03, 0, 0.03)), "mass-centre-far", "warning"),
     cabinet("mass centre at the origin", put(DOOR, CENTRE, Gf.Vec3f(0)), "mass-centre-far", "warning"),
     prop("NaN mass centre", put(PROP, CENTRE, Gf.Vec3f(0, NAN, 0)), "mass-centre-outside"),
+)
+
+SOUND: tuple[Sound, ...] = (
+    Sound("a little damping", "prop", put(PROP, "physxRigidBody:angularDamping", 0.05, TYPES.Float)),
 )

@@ -19,6 +19,7 @@ from tests.suites.gate.edits import (
     PROP_MATERIAL,
     TYPES,
     Defect,
+    Sound,
     both,
     cabinet,
     each_collider,
@@ -106,4 +107,8 @@ DEFECTS: tuple[Defect, ...] = (
     prop("restitution 1.5", put(PROP_MATERIAL, RESTITUTION, 1.5), "restitution"),
     prop("negative restitution", put(PROP_MATERIAL, RESTITUTION, -0.5), "restitution"),
     cabinet("NaN restitution", put(WOOD, RESTITUTION, NAN), "restitution"),
+)
+
+SOUND: tuple[Sound, ...] = (
+    Sound("contact offset above rest offset", "prop", put(HULL, "physxCollision:contactOffset", 0.002, TYPES.Float)),
 )

@@ -19,6 +19,7 @@ from tests.suites.gate.edits import (
     SLIDE,
     TYPES,
     Defect,
+    Sound,
     both,
     cabinet,
     move_link,
@@ -117,3 +118,5 @@ DEFECTS: tuple[Defect, ...] = (
     cabinet("door inside the carcass", move_link(DOOR, (-0.1, 0, 0), HINGE), "links-overlap"),
     cabinet("drawer inside the door", move_link(DRAWER, (0.015, 0, -0.3), SLIDE), "links-overlap"),
 )
+
+SOUND: tuple[Sound, ...] = (Sound("stiffer drive", "cabinet", put(HINGE, "drive:angular:physics:stiffness", 5.0)),)

@@ -19,6 +19,7 @@ from tests.suites.gate.edits import (
     SURFACE,
     TYPES,
     Defect,
+    Sound,
     cabinet,
     drop_faces,
     on_prim,
@@ -117,3 +118,5 @@ DEFECTS: tuple[Defect, ...] = (
     prop("texture cut short", _corrupt_picture, "texture-image"),
     prop("vendor value NaN", put(PROP, "physxRigidBody:maxDepenetrationVelocity", NAN, TYPES.Float), "nonfinite-value"),
 )
+
+SOUND: tuple[Sound, ...] = (Sound("rough surface", "prop", shader(SURFACE, "roughness", 1.0, TYPES.Float)),)

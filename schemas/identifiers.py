@@ -1,4 +1,7 @@
-"""Prim and file names from source names: valid USD identifiers, unique among siblings, mapped to their source."""
+"""Identifiers from source names: ASCII words, unique among siblings whatever their case, mapped to their source.
+
+They serve as ids of meshes, as USD prim names and as file names.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +25,8 @@ def identifier(name: str, fallback: str) -> str:
     return f"_{text}" if text[0].isdigit() else text
 
 
-def prim_names(names: Iterable[str], fallback: str) -> dict[str, str]:
-    """Unique prim names for siblings, in the order of `names`: prim name -> source name.
+def unique_identifiers(names: Iterable[str], fallback: str) -> dict[str, str]:
+    """Unique identifiers for siblings, in the order of `names`: identifier -> source name.
 
     Names that would differ in letter case alone count as equal, because they also become file names. Later ones get
     `_2`, `_3` ... A name that already is a unique identifier is kept.
