@@ -1,8 +1,5 @@
 """The static gate on clean packages, on files Mana did not make, and on broken ones."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import random

@@ -1,8 +1,5 @@
 """Location of a USD file, on disk or inside a USDZ package, and the only resolution of references from it."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import posixpath

@@ -1,8 +1,5 @@
 """Converts the UsdShade materials bound to gprims into `schemas.model.Material`, with the textures they use."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import posixpath

@@ -172,7 +172,7 @@ def _noise(measurement: Measurement, events: Impacts) -> FloatArray:
         return np.maximum(declared, least)
     state = _features(events)[:, :-1]
     scaled = (state - state.mean(axis=0)) / (state.std(axis=0) + 1e-12)
-    distance, index = (np.asarray(a) for a in KDTree(scaled).query(scaled, k=near + 1))
+    distance, index = KDTree(scaled).query(scaled, k=near + 1)
     delta = np.median(distance[:, 1:] ** 2, axis=0)
     # Medians, because a few events are tracked wrongly; half of a squared normal difference is 0.4549 variances.
     apart = events.velocity_after[index[:, 1:]] - events.velocity_after[:, None]

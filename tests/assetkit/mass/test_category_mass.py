@@ -27,7 +27,7 @@ def solid(mesh: trimesh.Trimesh, kind: Literal["closed", "shell"] = "closed") ->
     return Solid(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int32), kind)
 
 
-def usual_mass(body: Solid, category: str, names: list[str]) -> CategoryMassEstimate:
+def known_mass(body: Solid, category: str, names: list[str]) -> CategoryMassEstimate:
     return present(category_mass(body, category, names))
 
 
@@ -65,7 +65,7 @@ def test_two_kinds_are_bounded_by_either():
 
 @pytest.mark.parametrize(("body", "category", "power"), [(can, "can", 3), (cup, "mug", 2)])
 def test_contents_grow_with_the_volume_and_walls_with_the_area(body, category, power):
-    one, two = usual_mass(body(), category, []), usual_mass(body(2.0), category, [])
+    one, two = known_mass(body(), category, []), known_mass(body(2.0), category, [])
     assert two.value_kg / one.value_kg == pytest.approx(2.0**power)
     assert two.high_kg / one.high_kg == pytest.approx(2.0**power)
 
@@ -73,7 +73,7 @@ def test_contents_grow_with_the_volume_and_walls_with_the_area(body, category, p
 def test_it_weighs_the_same_whatever_way_it_lies():
     turned = trimesh.creation.cylinder(0.033, 0.1)
     turned.apply_transform(trimesh.transformations.rotation_matrix(0.7, [1, 2, 3], [0.1, 0, 0]))
-    assert usual_mass(solid(turned), "can", []).high_kg == pytest.approx(usual_mass(can(), "can", []).high_kg)
+    assert known_mass(solid(turned), "can", []).high_kg == pytest.approx(known_mass(can(), "can", []).high_kg)
 
 
 def test_the_wall_of_a_cup_is_measured_once_however_it_is_modelled():
@@ -87,16 +87,16 @@ def test_the_wall_of_a_cup_is_measured_once_however_it_is_modelled():
 
 
 def test_names_tell_the_kind_and_the_most_telling_name_decides():
-    soup, chips = usual_mass(can(), "can", ["005_tomato_soup_can"]), usual_mass(can(), "can", ["chipsCan"])
+    soup, chips = known_mass(can(), "can", ["005_tomato_soup_can"]), known_mass(can(), "can", ["chipsCan"])
     assert chips.high_kg < soup.low_kg
-    assert usual_mass(can(), "can", ["model", "soup", "chips"]) == usual_mass(can(), "can", ["soup"])
-    usual = usual_mass(can(), "can", ["can"])
+    assert known_mass(can(), "can", ["model", "soup", "chips"]) == known_mass(can(), "can", ["soup"])
+    usual = known_mass(can(), "can", ["can"])
     assert usual.low_kg < chips.value_kg < soup.value_kg < usual.high_kg
     assert "full" in soup.text
 
 
 def test_bounds_of_very_different_kinds_hold_less_and_say_so():
-    found = usual_mass(cup(), "cup", ["cup"])
+    found = known_mass(cup(), "cup", ["cup"])
     assert found.high_kg / found.low_kg == pytest.approx(MAX_CATEGORY_SPAN, rel=1e-4)
     assert 0.7 < found.coverage < 0.95
     assert f"{100 * found.coverage:.0f} % of things" in found.text

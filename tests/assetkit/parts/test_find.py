@@ -1,8 +1,5 @@
 """Parts: which triangles they hold, what they are called, and when they have no name."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pathlib import Path

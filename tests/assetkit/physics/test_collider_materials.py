@@ -1,8 +1,5 @@
 """Every collider touches as the part that it stands for, in the USD, the URDF twin and the record."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pathlib import Path
