@@ -47,8 +47,8 @@ def colors(mesh: Mesh, seed: int = 0) -> np.ndarray:
 
 
 def model(meshes, materials=(), textures=()) -> Model:
-    made = Model(tuple(meshes), tuple(materials), tuple(textures), (), declared(1.0, "test"), declared("z", "test"))
-    return made.with_mesh_ids()
+    units = declared(1.0, "test"), declared("z", "test")
+    return Model(tuple(meshes), tuple(materials), tuple(textures), (), *units).with_mesh_ids()
 
 
 def at(z_m: float, x_m: float = 0.0) -> np.ndarray:
