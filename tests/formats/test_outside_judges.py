@@ -21,7 +21,7 @@ import trimesh
 
 from formats import link_mass, link_poses, read_mjcf, read_urdf
 from formats.mesh_points import in_shape_frame
-from geom.mass.inertia import enclosed_volume
+from geom.mass.inertia import enclosed_volume, is_physical
 from geom.pose import inverse, matrix_of, pose, to_wxyz
 from schemas.diagnostics import InvalidInput
 from schemas.physics import VolumeProperties
@@ -142,7 +142,11 @@ def check_against_bullet(ours: RobotDescription, body: int, client: int) -> None
     for number, info in enumerate(infos):
         link = links[by_name[info[1].decode()].child]
         if link.inertial is not None and link.inertial.mass_kg > 0.0:
-            assert pybullet.getDynamicsInfo(body, number, client)[0] == pytest.approx(link.inertial.mass_kg)
+            dynamics = pybullet.getDynamicsInfo(body, number, client)
+            assert dynamics[0] == pytest.approx(link.inertial.mass_kg)
+            tensor = link.inertial.inertia_kgm2
+            if tensor is not None and is_physical(tensor) and not tensor[~np.eye(3, dtype=bool)].any():
+                np.testing.assert_allclose(sorted(dynamics[2]), np.linalg.eigvalsh(tensor), rtol=1e-5)
 
 
 def bullet_pose(position: tuple[float, ...], quat_xyzw: tuple[float, ...]) -> np.ndarray:
@@ -150,7 +154,8 @@ def bullet_pose(position: tuple[float, ...], quat_xyzw: tuple[float, ...]) -> np
 
 
 @pytest.mark.parametrize("path", mjcf_files(), ids=name_of)
-def test_mjcf_is_read_as_mujoco_reads_it(path: Path) -> None:
+def test_mjcf_is_read_as_mujoco_reads_it(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes its log there.
     ours = described(path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -252,3 +257,9 @@ def check_geoms(ours: RobotDescription, model: mujoco.MjModel) -> None:
             np.testing.assert_allclose(shape.size_m, size, atol=1e-9)
         collides = bool(model.geom_contype[number] or model.geom_conaffinity[number])
         assert shape.collides == collides
+
+
+@pytest.mark.shared
+def test_shared_files_are_among_the_cases(shared_assets: Path) -> None:
+    assert sum(path.is_relative_to(shared_assets) for path in urdf_files()) >= 16
+    assert sum(path.is_relative_to(shared_assets) for path in mjcf_files()) >= 11
