@@ -8,6 +8,7 @@ import traceback
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from assetkit import array_files
 from assetkit.acceptance.targeted_repair import COLLIDER_FAILURES, repair_until_accepted
 from assetkit.annotate.multimodal import UNREACHABLE
 from assetkit.batch.decisions import decision_findings
@@ -30,7 +31,6 @@ from assetkit.steps import Pipeline, Refinement, Retry, Step
 from assetkit.storage import finding_from_exception, storage_failed
 from jobs.cache import Cache, content_key, write_atomically
 from jobs.versions import library_versions
-from schemas import array_files
 from schemas.asset import RepeatedPass
 from schemas.diagnostics import Diagnostic, finding
 from schemas.outcome import EndpointUse, ItemOutcome, Outcome, Repair

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import numpy as np
 
-from schemas import array_files
+from assetkit import array_files
 from schemas.evidence import declared, default
 from schemas.model import Material, Mesh, Model, Node, Texture, TextureUse
 
