@@ -14,6 +14,7 @@ from typing import Literal
 import networkx as nx
 
 from scenec.ir.problem import WORLD_PARENT, Path, Problem, Volume
+from scenec.relations.table import RELATIONS
 from scenec.solve.coupling import components_of, overlapping
 from scenec.solve.model import model_of
 
@@ -115,7 +116,7 @@ def schedule_of(components: tuple[tuple[str, ...], ...], problem: Problem) -> tu
     order: nx.DiGraph[int] = nx.DiGraph()
     order.add_nodes_from(range(len(components)))
     owners = [(home[t.parent], home[t.name]) for t in problem.things if t.parent in home]
-    relations = [(home[a], home[b]) for r in problem.relations if r.kind == "before" for a, b in [r.things]]
+    relations = [(home[a], home[b]) for r in problem.relations if RELATIONS[r.kind].separable for a, b in [r.things]]
     for source, target in [*owners, *relations]:
         if source != target and not nx.has_path(order, target, source):
             order.add_edge(source, target)

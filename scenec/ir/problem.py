@@ -9,18 +9,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from shapely import Polygon
 
 from schemas.arrays import FloatArray
 from schemas.scene.program import BACKGROUND
+from schemas.scene.relations import WORD
 
 Path = tuple[str | int, ...]
 WORLD_PARENT = BACKGROUND
 LEVEL_SHARE = 0.25  # of a floor that things stand on
-RelationKind = Literal["before", "near", "far_from", "aligned", "facing", "between"]
 
 
 @dataclass(frozen=True)
@@ -151,18 +150,13 @@ class Thing:
 
 @dataclass(frozen=True)
 class RelationIR:
-    """A relation between things.
+    """A relation between things; what its numbers mean is in `scenec.relations`, in the file of its `kind`.
 
-    before     the footprint of the first ends before that of the second begins along `direction` (unit, in the frame of
-               the relation, a (2,) vector), by at least `gap_m`: left_of, right_of, front_of, behind all become this.
-    near, far_from   distance of footprints at most or at least `gap_m`.
-    aligned    offset of the origins of all across `direction` at most `tolerance`.
-    facing     +x of the first points at the origin of the second within `tolerance` rad.
-    between    the origin of the first lies between those of the others along their line, within `tolerance` beside it.
-    `frame` is WORLD_PARENT or the thing in whose frame `direction` counts.
+    `direction` is a unit vector (2,) in the frame of `frame`, which is WORLD_PARENT or a thing. `word` is the one that
+    was written, where it was.
     """
 
-    kind: RelationKind
+    kind: str
     things: tuple[str, ...]
     direction: tuple[float, float] = (1.0, 0.0)
     gap_m: float = 0.0
@@ -174,7 +168,7 @@ class RelationIR:
     @property
     def as_written(self) -> tuple[str, ...]:
         """The things in authored order."""
-        return self.things[::-1] if self.word in ("right_of", "behind") else self.things
+        return self.things[::-1] if self.word in WORD and WORD[self.word].reverse else self.things
 
 
 @dataclass(frozen=True)

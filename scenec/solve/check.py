@@ -7,10 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 import shapely
 
+from scenec.relations.table import RELATIONS
 from scenec.solve.frames import pose_of
-from scenec.solve.model import SLACK_M, Site, SolverModel, yaw_allowed
+from scenec.solve.measures import SLACK, wrapped
+from scenec.solve.model import Site, SolverModel, yaw_allowed
 from scenec.solve.placed import Placed, bounds_gap, footprint_distance
-from scenec.solve.relations import SLACK, excess, wrapped
+from scenec.solve.planar import SLACK_M
 from scenec.solve.stacks import stacked, unsupported
 
 Assignment = Mapping[str, Placed]
@@ -138,7 +140,7 @@ def blockers(
             culprits.add(other)
     for rule in model.rules_of.get(name, ()):
         links = model.depends_on(rule)
-        if links.issubset(assignment) and excess(rule, assignment) > SLACK:
+        if links.issubset(assignment) and RELATIONS[rule.kind].excess(rule, assignment) > SLACK:
             culprits |= links
     if (down := unsupported(model, assignment, placed.parent, placed.place)) and not culprits:
         return down - {name}

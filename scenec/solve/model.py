@@ -18,11 +18,10 @@ import shapely
 from shapely import Polygon
 
 from scenec.ir.problem import WORLD_PARENT, Placement, Problem, RelationIR, Surface, Thing, Volume
+from scenec.relations.table import RELATIONS
 from scenec.solve.placed import Placed
-from scenec.solve.planar import polygon
+from scenec.solve.planar import SLACK_M, polygon
 from scenec.solve.shapes import Shape, carried_slabs, shape_of, tallest
-
-SLACK_M = 1e-9  # rounding allowed where geometry touches; the independent checker allows 1e-6
 
 
 class Site:
@@ -105,8 +104,7 @@ class SolverModel:
     def in_one_frame(self, rule: RelationIR) -> bool:
         """Whether a relation can be evaluated in the frame of one owner that carries all its members."""
         owners = {self.things[name].parent for name in rule.things}
-        free_of_frame = rule.kind in ("near", "far_from", "facing", "between")
-        return len(owners) == 1 and (free_of_frame or rule.frame in owners)
+        return len(owners) == 1 and (not RELATIONS[rule.kind].frame_dependent or rule.frame in owners)
 
     def depends_on(self, rule: RelationIR) -> set[str]:
         """Names of the things on whose poses a relation depends."""

@@ -38,6 +38,16 @@ class Shape:
     upright: bool
 
     @cached_property
+    def own_low_m(self) -> float:
+        """Height of the body's lowest point over its support."""
+        return min(slab.low_m for slab in self.slabs[: self.own])
+
+    @cached_property
+    def own_high_m(self) -> float:
+        """Height of the body's highest point over its support, without what it carries."""
+        return max(slab.high_m for slab in self.slabs[: self.own])
+
+    @cached_property
     def hull(self) -> FloatArray:
         """Convex hull of the whole footprint, (n, 2) counter-clockwise."""
         return self.pieces[0] if len(self.pieces) == 1 else hull_of(np.concatenate(self.pieces))

@@ -19,12 +19,13 @@ from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from scenec.ir.problem import Placement, RelationIR, Thing
+from scenec.relations.table import RELATIONS
 from scenec.solve.model import Site, SolverModel, is_box, yaw_allowed
 from scenec.solve.placed import Placed
+from scenec.solve.planar import AXIS
 from scenec.solve.streams import stream
 
 NOISES = (0.0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.15, 0.2, 0.2, 0.25)  # of the depths that sort things into rows
-AXIS = 1.0 - 1e-9  # a direction closer to an axis than this is along it
 
 
 @dataclass(frozen=True)
@@ -304,11 +305,15 @@ def separation_constraints(
     standing: Mapping[str, Placed],
     rules: Sequence[RelationIR],
 ) -> list[SeparationConstraint]:
-    """Constraints of `before` relations among items, or between an item and placed things on the same owner."""
+    """Constraints of directional relations among items, or between an item and placed things on the same owner."""
     number = {item.name: i for i, item in enumerate(items)}
     constraints = []
     for rule in rules:
-        if rule.kind != "before" or rule.frame != site.parent or not any(name in number for name in rule.things):
+        if (
+            not RELATIONS[rule.kind].separable
+            or rule.frame != site.parent
+            or not any(name in number for name in rule.things)
+        ):
             continue
         dx, dy = rule.direction
         min_separation_m, ends = rule.gap_m, []

@@ -16,8 +16,9 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from scenec.ir.problem import Volume
-from scenec.solve.model import SLACK_M, SolverModel
+from scenec.solve.model import SolverModel
 from scenec.solve.placed import Placed, bounds_gap
+from scenec.solve.planar import SLACK_M
 from scenec.solve.resting import CONTACT_M, GRAIN_M
 
 

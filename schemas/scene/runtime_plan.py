@@ -19,6 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.scene.compiled import Point2, Point3, Prism, Quat_wxyz
 from schemas.scene.program import Inline, Lighting, PairedMaterial
+from schemas.scene.relations import RelationKind
 
 SCHEMA_VERSION = "1.1"
 Family = Literal["grid", "free_rectangle", "shelf", "guillotine", "seeded", "strip", "point"]
@@ -112,7 +113,7 @@ class PlanRelation(_Model):
     `background`.
     """
 
-    kind: Literal["before", "near", "far_from", "aligned", "facing", "between"]
+    kind: RelationKind
     things: tuple[str, ...]
     direction: Point2
     gap_m: float = 0.0

@@ -28,6 +28,7 @@ from scenec.plan.cases.quality import quality
 from scenec.plan.cases.rejection import CANDIDATE_TRIES, LOT, rejection_layouts
 from scenec.plan.cases.select import selected
 from scenec.plan.cases.signature import distinct
+from scenec.relations.table import RELATIONS
 from scenec.solve.model import SolverModel
 from scenec.solve.streams import stream
 from schemas.arrays import BoolArray, FloatArray
@@ -43,9 +44,8 @@ def cross_owner_cases(
     satisfies the cross-owner `rules`."""
     rng = stream(request.seed, "tied", *request.names)
     pools = [pool_model_of(model, names, request.frozen, request.solved) for names in groups]
-    relations = [
-        cross_owner_relation(model, rule) for rule in sorted(rules, key=lambda rule: rule.kind in ("near", "far_from"))
-    ]
+    fast_first = sorted(rules, key=lambda rule: RELATIONS[rule.kind].slow_to_measure)
+    relations = [cross_owner_relation(model, rule) for rule in fast_first]
     layouts = _together(pools, relations, request, rng)
     cells_by_owner = [grown_cells(pool, part, rng) for pool, part in zip(pools, layouts, strict=True)]
     is_kept = np.ones(len(layouts[0]), dtype=bool)

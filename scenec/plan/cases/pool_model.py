@@ -17,8 +17,10 @@ from numpy.typing import NDArray
 
 from scenec.ir.problem import Placement, RelationIR, Thing
 from scenec.plan.cases.feasible import Feasible, feasible_on
-from scenec.solve.model import SLACK_M, Site, SolverModel
-from scenec.solve.planar import hull_of, polygon
+from scenec.plan.cases.rectangles import AxisOrder
+from scenec.relations.table import RELATIONS
+from scenec.solve.model import Site, SolverModel
+from scenec.solve.planar import SLACK_M, hull_of, polygon
 from scenec.solve.search import fixed_pose_placements
 from scenec.solve.shapes import Shape
 from schemas.arrays import FloatArray, IntArray
@@ -126,13 +128,23 @@ class PoolModel:
 
     @cached_property
     def least_gap_m(self) -> FloatArray:
-        """(n, n) distance that two members must keep: the clearance, more for `far_from`."""
+        """(n, n) distance that two members must keep: the clearance, or more by a relation."""
         gap = np.full((len(self.members),) * 2, self.clearance_m)
         for rule in self.rules:
-            if rule.kind == "far_from":
+            if (least_m := RELATIONS[rule.kind].least_distance_m(rule)) is not None:
                 a, b = (self.index[name] for name in rule.things)
-                gap[a, b] = gap[b, a] = max(gap[a, b], rule.gap_m)
+                gap[a, b] = gap[b, a] = max(gap[a, b], least_m)
         return gap
+
+    @cached_property
+    def axis_orders(self) -> tuple[AxisOrder, ...]:
+        """The orders of two members along x or y that relations demand, members by number."""
+        orders = []
+        for rule in self.rules:
+            if (order := RELATIONS[rule.kind].axis_order(rule)) is not None:
+                numbers = [self.index[name] for name in rule.things]
+                orders.append(order._replace(first=numbers[order.first], second=numbers[order.second]))
+        return tuple(orders)
 
     @cached_property
     def level(self) -> bool:
@@ -234,6 +246,44 @@ def _member(model: SolverModel, name: str, fixed: Placement | None, solved: Plac
         len(grid),
         False,
     )
+
+
+@dataclass(frozen=True)
+class MemberBatch:
+    """Some members in many layouts (...): options (...), rectangles (..., 4) and origins (..., 2) of each."""
+
+    members: Sequence[Member]
+    options: Sequence[IntArray]
+    rects_m: Sequence[FloatArray]
+    origins_m: Sequence[FloatArray]
+
+    @property
+    def fronts_rad(self) -> list[FloatArray]:
+        """Headings (...) of the fronts."""
+        return [front_of(member, option) for member, option in zip(self.members, self.options, strict=True)]
+
+    @property
+    def heights_m(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Lowest and highest z (...) in P of each member, without what it carries."""
+        return [own_heights(member, option) for member, option in zip(self.members, self.options, strict=True)]
+
+
+def floor_of(member: Member, option: IntArray) -> FloatArray:
+    """Height (...) in P of what a member rests on, by option."""
+    return member.base_m[option] + float(member.thing.place.origin_P_m[2])
+
+
+def own_heights(member: Member, option: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest z (...) in P of a member, without what it carries, by option."""
+    low, high = np.array([(shape.own_low_m, shape.own_high_m) for shape in member.shapes]).T
+    floor, stance = floor_of(member, option), member.stance[option]
+    return floor + low[stance], floor + high[stance]
+
+
+def front_of(member: Member, option: IntArray) -> FloatArray:
+    """Direction (rad) in P of the front (+x of the asset frame), by option."""
+    fronts = np.array([shape.front_rad for shape in member.shapes])
+    return member.yaw_rad[option] + fronts[member.stance[option]]
 
 
 def _stands(shape: Shape, site: Site) -> float:

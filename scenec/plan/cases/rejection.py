@@ -14,8 +14,8 @@ import numpy as np
 from numpy.random import Generator
 
 from scenec.plan.cases.apart import apart
-from scenec.plan.cases.batch_relations import may_hold
-from scenec.plan.cases.pool_model import Layouts, Member, PoolModel, around, joined
+from scenec.plan.cases.pool_model import Layouts, Member, MemberBatch, PoolModel, around, joined
+from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray, IntArray
 
 LOT = 4096  # layouts or candidates evaluated at once
@@ -156,21 +156,14 @@ def _candidates(
         if i not in numbers or not known.issuperset(numbers):
             continue
         shape = (len(rows), tries)
-        rects, origins, fronts = [], [], []
-        for k in numbers:
-            mate = pool.members[k]
-            chosen = picked if k == i else np.broadcast_to(option[rows, k][:, None], shape)
-            rects.append(around_m if k == i else np.broadcast_to(rect[rows, k][:, None], (*shape, 4)))
-            origins.append(at if k == i else np.broadcast_to(origin[rows, k][:, None], (*shape, 2)))
-            fronts.append(front_of(mate, chosen))
-        good &= may_hold(rule, rects, origins, fronts)
+        batch = MemberBatch(
+            [pool.members[k] for k in numbers],
+            [picked if k == i else np.broadcast_to(option[rows, k][:, None], shape) for k in numbers],
+            [around_m if k == i else np.broadcast_to(rect[rows, k][:, None], (*shape, 4)) for k in numbers],
+            [at if k == i else np.broadcast_to(origin[rows, k][:, None], (*shape, 2)) for k in numbers],
+        )
+        good &= RELATIONS[rule.kind].may_hold(rule, batch)
     return picked, at, around_m, good
-
-
-def front_of(member: Member, option: IntArray) -> FloatArray:
-    """Direction (rad) in P of the front (+x of the asset frame), by option."""
-    fronts = np.array([shape.front_rad for shape in member.shapes])
-    return member.yaw_rad[option] + fronts[member.stance[option]]
 
 
 def sample_origins(member: Member, option: IntArray, rng: Generator) -> FloatArray:

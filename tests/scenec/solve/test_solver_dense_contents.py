@@ -11,7 +11,7 @@ from scenec.check.judge_scene import violations
 from scenec.ir.problem import Body, Exhausted, Slab, Solved, Stance, Volume
 from scenec.solve import solve
 from scenec.solve.planar import hull_of
-from scenec.solve.regions import FEW_CORNERS, minkowski_sum_points
+from scenec.solve.region_geometry import FEW_CORNERS, minkowski_sum_points
 from scenec.solve.shapes import COARSE_SHARE, shape_of
 from tests.support.scene.proof_problems import problem, thing
 

@@ -1,0 +1,106 @@
+"""`near`: the distance of the footprints is at most `gap_m`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+from typing_extensions import override
+
+from scenec.ir.problem import RelationIR
+from scenec.plan.cases.motions import Motions, footprint_distances
+from scenec.plan.cases.rectangles import distance
+from scenec.proofs.constraints import BEGIN, END, Difference, LinearConstraint, NodePose
+from scenec.proofs.outlines import OUTLINE_SLACK_M, TURN, support_bounds
+from scenec.relations.protocol import (
+    WIDEST_M,
+    Assignment,
+    Batch,
+    Frames,
+    Mover,
+    RelationMeaning,
+    WeakerNumber,
+    with_gap,
+)
+from scenec.solve import measures
+from scenec.solve.measures import SLACK
+from scenec.solve.planar import SEGMENTS
+from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.relations import Relation, RelationWord
+
+DIRECTIONS = 16  # in which the origins are bounded by proofs
+
+
+class Near(RelationMeaning):
+    """See the module."""
+
+    kind = "near"
+    page = (("near", "[a, b]", "the distance of the footprints is at most `distance`"),)
+    slow_to_measure = True
+
+    @override
+    def lower(
+        self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
+    ) -> Iterator[RelationIR]:
+        for chosen in product(*sides):
+            yield RelationIR("near", chosen, gap_m=written.distance or 0.0, path=frames.path, word=word.word)
+
+    @override
+    def excess(self, rule: RelationIR, assignment: Assignment) -> float:
+        one, two = (assignment[name] for name in rule.things)
+        return measures.distance(one, two, assignment) - rule.gap_m
+
+    @override
+    def region(self, rule: RelationIR, mover: Mover, assignment: Assignment) -> BaseGeometry:
+        no_fit = measures.no_fit_of_mate(rule, mover.name, mover.turned, mover.owner, assignment)
+        return shapely.union_all(shapely.buffer(no_fit, rule.gap_m, quad_segs=4 * SEGMENTS))
+
+    @override
+    def may_hold(self, rule: RelationIR, batch: Batch) -> BoolArray:
+        """The distance of rectangles is a lower bound of that of footprints."""
+        return distance(*batch.rects_m) <= rule.gap_m + SLACK
+
+    @override
+    def most_distance_m(self, rule: RelationIR) -> float:
+        return rule.gap_m
+
+    @override
+    def turns_matter(self, rule: RelationIR, member: int, uneven: bool) -> bool:
+        return uneven
+
+    @override
+    def value(self, rule: RelationIR, motions: Motions) -> FloatArray:
+        """The distance of the footprints, where it can be small enough."""
+        one, two = motions.members
+        return footprint_distances(one, two, rule.gap_m)
+
+    @override
+    def holds_throughout(self, rule: RelationIR, motions: Motions, value: FloatArray) -> BoolArray:
+        one, two = motions.members
+        return value + (one.outline_m + two.outline_m + motions.rounding_m) <= rule.gap_m
+
+    @override
+    def differences(self, rule: RelationIR, along: FloatArray | None, axis: FloatArray) -> Iterator[Difference]:
+        yield Difference(0, BEGIN, 1, END, -rule.gap_m)
+        yield Difference(1, BEGIN, 0, END, -rule.gap_m)
+
+    @override
+    def linear_rows(
+        self, rule: RelationIR, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
+    ) -> Iterator[LinearConstraint]:
+        for angle in np.arange(DIRECTIONS) * (TURN / DIRECTIONS):
+            normal = np.array([np.cos(angle), np.sin(angle)])
+            front = support_bounds(poses[0].outline, normal, poses[0].yaw)[1]
+            back = support_bounds(poses[1].outline, normal, poses[1].yaw)[3]
+            bound = rule.gap_m + front + back + OUTLINE_SLACK_M
+            yield LinearConstraint(at[0], at[1], (float(normal[0]), float(normal[1])), bound)
+
+    @override
+    def weaker(self, rule: RelationIR) -> Iterator[WeakerNumber]:
+        yield WeakerNumber("distance", rule.gap_m, rule.gap_m + WIDEST_M, with_gap)
+
+
+RELATION = Near()
