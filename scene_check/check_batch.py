@@ -17,10 +17,8 @@ from shapely import Polygon
 from scene_check import Violation, check
 from scene_check.batch import WORLD, BatchPoses, KeepOutRule, RelationRule, SceneRules, ThingRule, scene_at
 from scene_check.model import TOLERANCE_M, TURN
+from scene_check.relations import PREDICATES, SLACK_M, BatchMembers, RelationNumbers
 from schemas.arrays import BoolArray, FloatArray, IntArray
-
-# Half the tolerance of the exact judge, so that rounding cannot pass a scene that it rejects.
-SLACK_M = 0.5 * TOLERANCE_M
 
 
 @dataclass(frozen=True)
@@ -232,39 +230,23 @@ def _owners(rules: SceneRules, i: int) -> set[int]:
 def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: RelationRule) -> BoolArray:
     """(n,) True where a relation is proven to hold."""
     n = len(footprints.low_m)
-    origins = [poses.origin_m[:, i, :2] for i in rule.things]
     turn = np.broadcast_to(_owner(rules, poses, rule.frame)[1], (n,))
-    along = _turned(np.broadcast_to(rule.direction, (n, 1, 2)), turn)[:, 0]
-    if rule.kind == "before":
-        first, second = (np.einsum("nvd,nd->nv", footprints.hulls[i], along) for i in rule.things[:2])
-        return second.min(axis=1) - first.max(axis=1) >= rule.gap_m - SLACK_M
-    if rule.kind == "far_from":
-        outline_a, outline_b = (shapely.polygons(footprints.hulls[i]) for i in rule.things[:2])
-        return np.asarray(shapely.distance(outline_a, outline_b)) >= rule.gap_m - SLACK_M
-    if rule.kind == "near" and all(len(form.prisms) == 1 for i in rule.things[:2] for form in rules.things[i].forms):
-        outline_a, outline_b = (shapely.polygons(footprints.hulls[i]) for i in rule.things[:2])
-        return np.asarray(shapely.distance(outline_a, outline_b)) <= rule.gap_m + SLACK_M
-    if rule.kind == "aligned":
-        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-        offsets = np.stack([np.einsum("nd,nd->n", at, across) for at in origins])
-        return np.ptp(offsets, axis=0) <= rule.tolerance + SLACK_M
-    if rule.kind == "facing":
-        fronts = np.stack([form.front for form in rules.things[rule.things[0]].forms])[poses.form[:, rule.things[0]]]
-        front = _turned(fronts[:, None], poses.yaw_rad[:, rule.things[0]])[:, 0]
-        toward = origins[1] - origins[0]
-        cross = front[:, 0] * toward[:, 1] - front[:, 1] * toward[:, 0]
-        angle = np.abs(np.arctan2(cross, np.einsum("nd,nd->n", front, toward)))
-        seen_far = np.minimum(np.hypot(*toward.T), np.hypot(*front.T)) > 2.0 * TOLERANCE_M
-        return seen_far & (angle <= rule.tolerance + SLACK_M)
-    if rule.kind == "between":
-        line, step = origins[2] - origins[1], origins[0] - origins[1]
-        length = np.hypot(*line.T)
-        safe = np.where(length > 2.0 * TOLERANCE_M, length, 1.0)
-        past = np.einsum("nd,nd->n", step, line) / safe
-        beside = np.abs(step[:, 0] * line[:, 1] - step[:, 1] * line[:, 0]) / safe
-        inside = (past >= -SLACK_M) & (past <= length + SLACK_M) & (beside <= rule.tolerance + SLACK_M)
-        return inside & (length > 2.0 * TOLERANCE_M)
-    return np.zeros(n, dtype=bool)
+    members = BatchMembers(
+        hulls=[footprints.hulls[i] for i in rule.things],
+        low_m=[footprints.low_m[:, i] for i in rule.things],
+        high_m=[footprints.high_m[:, i] for i in rule.things],
+        origins=[poses.origin_m[:, i, :2] for i in rule.things],
+        front_of=lambda k: _fronts(rules, poses, rule.things[k]),
+        along=_turned(np.broadcast_to(rule.direction, (n, 1, 2)), turn)[:, 0],
+        is_hull=all(len(form.prisms) == 1 for i in rule.things for form in rules.things[i].forms),
+    )
+    return PREDICATES[rule.kind].proven(RelationNumbers(rule.gap_m, rule.tolerance), members)
+
+
+def _fronts(rules: SceneRules, poses: BatchPoses, i: int) -> FloatArray:
+    """Directions (n, 2) in W of the front of object i."""
+    fronts = np.stack([form.front for form in rules.things[i].forms])[poses.form[:, i]]
+    return _turned(fronts[:, None], poses.yaw_rad[:, i])[:, 0]
 
 
 def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: KeepOutRule) -> BoolArray:

@@ -18,8 +18,9 @@ from __future__ import annotations
 from scene_check.model import CheckScene, Violation, changed_since
 from scene_check.pairs import too_close
 from scene_check.placement import owners_entered, unsupported, wrong_pose
-from scene_check.relations import broken_relation, entered_keep_out, out_of_reach
+from scene_check.relations import broken_relation
 from scene_check.stacking import unstable_stacks
+from scene_check.zones import entered_keep_out, out_of_reach
 
 
 def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation, ...]:

@@ -91,7 +91,7 @@ class CheckObject:
 
 @dataclass(frozen=True)
 class CheckRelation:
-    """`before`, `near`, `far_from`, `aligned`, `facing` or `between` over names; `direction` (2,) is unit and in W."""
+    """A relation over names, of a kind of `scene_check.relations`; `direction` (2,) is unit and in W."""
 
     kind: str
     objects: tuple[str, ...]
