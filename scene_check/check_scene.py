@@ -41,8 +41,8 @@ def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation
     for relation in scene.relations:
         if id(relation) not in judged_before or not changed.isdisjoint(relation.objects):
             violations += broken_relation(relation, [by_name[name] for name in relation.objects])
-    for keep_out in scene.keep_outs:
-        violations += entered_keep_out(keep_out, scene, by_name)
+    for place, keep_out in scene.keep_outs:
+        violations += entered_keep_out(place, keep_out, scene, by_name)
     if scene.reach is not None:
         violations += out_of_reach(scene.reach, by_name)
     return tuple(violations)

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenec.ir.names import WORLD, Names
-from scenec.ir.problem import WORLD_PARENT, Path, RelationIR, Thing
+from scenec.ir.problem import Path, RelationIR, Thing
 from scenec.relations.table import RELATIONS
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
+from schemas.scene.program import BACKGROUND
 from schemas.scene.relations import Relation
 
 MAX_RELATIONS = 50_000
@@ -68,11 +69,11 @@ class RelationFrames:
     def _owner(self, members: tuple[str, ...]) -> tuple[str, float]:
         # Owner of the frame, and the yaw of that frame relative to the intended axes.
         if self.frame == WORLD:
-            return WORLD_PARENT, self.background_yaw_rad
+            return BACKGROUND, self.background_yaw_rad
         if self.frame is not None:
             is_anchor = self.frame in self.names.program.anchors
             owner = self.names.owner(self.frame) if is_anchor else self.names.placed(self.frame)[0]
-            return owner or WORLD_PARENT, 0.0
+            return owner or BACKGROUND, 0.0
         parents = {self.things[name].parent for name in members}
         if len(parents) == 1:
             return parents.pop(), 0.0
@@ -81,12 +82,12 @@ class RelationFrames:
             who = " and ".join(sorted(members))
             headline = f"`{written(self.path)}`: {who} stand on different things, and `{turning[0]}` turns"
             raise InvalidInput(finding("scene/frame-needed", headline))
-        return WORLD_PARENT, 0.0
+        return BACKGROUND, 0.0
 
 
 def _turns(parent: str, things: Mapping[str, Thing]) -> bool:
     """Whether a support may have a yaw other than that of the background."""
-    while parent != WORLD_PARENT:
+    while parent != BACKGROUND:
         thing = things[parent]
         headings = [fixed_pose.yaw_rad for fixed_pose in thing.domain.fixed_poses] or list(thing.domain.yaw_rad)
         if any(abs(np.sin(0.5 * heading)) > 1e-9 for heading in headings) or max(headings) - min(headings) > 1e-9:

@@ -14,13 +14,15 @@ from itertools import islice
 import numpy as np
 
 from scenec.explain.minimal_conflict import Conflict, Feasible
-from scenec.ir.problem import WORLD_PARENT, Domain, Path, Problem, RelationIR, Solved, Surface, Thing, Volume
+from scenec.ir.problem import Path, Problem, RelationIR, Solved, Thing
 from scenec.ir.relaxed import CLEARANCE, relaxed
 from scenec.proofs import prove_cheaply
 from scenec.relations.protocol import SUGGESTION_STEP_M, WIDEST_M, WeakerNumber
 from scenec.relations.table import RELATIONS
 from scenec.source.tree import written
 from schemas.scene.compiled import Suggestion
+from schemas.scene.geometry import Domain, ScenePlace
+from schemas.scene.program import BACKGROUND
 
 MOST_SUGGESTIONS = 5
 MOST_SOLVES = 80
@@ -221,10 +223,10 @@ def _moves(problem: Problem, thing: Thing, oracle: FeasibilityOracle) -> Iterato
             continue
         change = partial(_moved, thing=thing.name, owner=owner, name=name)
         if oracle.works(change(problem)):
-            yield ProgramEdit(f"move {thing.name} to {name if owner == WORLD_PARENT else owner}", change, 0.95)
+            yield ProgramEdit(f"move {thing.name} to {name if owner == BACKGROUND else owner}", change, 0.95)
 
 
-def _places(problem: Problem) -> dict[tuple[str, str], Surface | Volume]:
+def _places(problem: Problem) -> dict[tuple[str, str], ScenePlace]:
     """Places that the program uses, and the main surface of everything that is placed; by owner and name."""
     tops = {(owner.name, top.name): top for owner in problem.things for top in owner.body.surfaces[:1]}
     return tops | {(other.parent, other.place.name): other.place for other in problem.things}

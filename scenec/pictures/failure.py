@@ -14,7 +14,7 @@ from shapely.affinity import translate
 from shapely.geometry.base import BaseGeometry
 
 from render.figure import png
-from scenec.ir.problem import Exhausted, Infeasible, Path, Problem, RelationIR, Result, Surface, Thing
+from scenec.ir.problem import Exhausted, Infeasible, Path, Problem, RelationIR, Result, Thing
 from scenec.pictures.blockers import footprint, footprint_at, obstructing_things, owner_parts
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations
@@ -46,7 +46,7 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = (), chosen
     (parent, anchor), _ = Counter((t.parent, t.place.name) for t in things or problem.things).most_common(1)[0]
     here = [t for t in things or problem.things if (t.parent, t.place.name) == (parent, anchor)]
     place = here[0].place
-    outline = place.polygon if isinstance(place, Surface) else place.opening
+    outline = place.polygon
     bounds = np.array(outline.bounds)
     caption = _caption(problem, result, paths)
     picture, axes = sheet(bounds[:2], bounds[2:], _title(problem, result, chosen), len(caption))

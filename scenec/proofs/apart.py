@@ -70,7 +70,7 @@ def _by_place(relation: RelationIR, least_m: float, by_name: dict[str, Thing]) -
 
 
 def _diameter(thing: Thing) -> float:
-    return max(_widest(hull(stance.slabs)) for stance in resting_orientations(thing))
+    return max(_widest(hull(stance.prisms)) for stance in resting_orientations(thing))
 
 
 def _widest(ring: FloatArray) -> float:

@@ -13,12 +13,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from geom.planar import turned
-from scenec.ir.problem import WORLD_PARENT, Path, Problem, Proof, RelationIR, Thing
+from scenec.ir.problem import Path, Problem, Proof, RelationIR, Thing
 from scenec.proofs.constraints import BEGIN, END, ORIGIN
 from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, hull, least_width, resting_orientations, support_bounds
 from scenec.proofs.places import area_hull, background_yaw
 from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray
+from schemas.scene.program import BACKGROUND
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class DifferenceConstraints:
 def too_long_along_an_axis(problem: Problem) -> Proof | None:
     """A proof when the constraints along some direction of some frame contradict each other."""
     yaws = {
-        root: yaw_ranges(problem, root) for root in dict.fromkeys([WORLD_PARENT, *(t.parent for t in problem.things)])
+        root: yaw_ranges(problem, root) for root in dict.fromkeys([BACKGROUND, *(t.parent for t in problem.things)])
     }
     for root, yaw_range_of in yaws.items():
         for direction in _directions(problem, yaw_range_of):
@@ -118,7 +119,7 @@ def _system(problem: Problem, root: str, yaw_range_of: dict[str, YawCell], d: Fl
     for relation in problem.relations:
         if all(name in node and name != root for name in relation.things):
             _relation_differences(system, relation, node, yaw_range_of, d)
-    if root == WORLD_PARENT and problem.reach is not None:
+    if root == BACKGROUND and problem.reach is not None:
         base = turned((problem.reach.base_m - problem.X_WB[:3, 3])[None, :2], -background_yaw(problem))[0]
         reason = DifferenceReason("reach", "within reach", problem.reach.path)
         for name in related.intersection(problem.reach.members):
@@ -147,7 +148,7 @@ def _own_differences(
         node[thing.name],
         DifferenceReason("width", f"{thing.name} is that wide", thing.path),
     )
-    outlines = [hull(stance.slabs) for stance in resting_orientations(thing)]
+    outlines = [hull(stance.prisms) for stance in resting_orientations(thing)]
     front_low, front_high, back_low, back_high = np.array([support_bounds(outline, d, yaw) for outline in outlines]).T
     width = min(least_width(outline, d, yaw) for outline in outlines)
     system.add_lower_bound(at + BEGIN, at + END, width, reason)

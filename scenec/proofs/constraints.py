@@ -7,10 +7,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from scenec.ir.problem import Stance
 from scenec.proofs.outlines import YawCell, hull
 from scenec.proofs.places import PlacementBounds
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import Stance
 
 BEGIN, ORIGIN, END = 0, 1, 2  # of a footprint along an axis
 
@@ -44,7 +44,7 @@ class NodePose:
     @property
     def outline(self) -> FloatArray:
         """Convex hull (n, 2) of its footprint in S."""
-        return hull(self.stance.slabs)
+        return hull(self.stance.prisms)
 
 
 @dataclass(frozen=True)

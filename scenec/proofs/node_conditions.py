@@ -17,12 +17,13 @@ import shapely
 from shapely import Polygon
 
 from geom.planar import turned
-from scenec.ir.problem import Problem, RelationIR, Stance, Thing
+from scenec.ir.problem import Problem, RelationIR, Thing
 from scenec.proofs.constraints import LinearConstraint, NodePose
 from scenec.proofs.outlines import OUTLINE_SLACK_M, TURN, half_planes, kernel
 from scenec.proofs.places import forbidden, linear_bounds, minkowski, ring_of
 from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import Stance
 
 DISC_SIDES = 8
 FAR_M = 1e3
@@ -188,8 +189,8 @@ class NodeConditions:
 
 def _pieces(stance: Stance) -> list[tuple[int, FloatArray]]:
     """The two largest outlines of an orientation: any subset gives valid conditions."""
-    order = sorted(range(len(stance.slabs)), key=lambda k: -Polygon(stance.slabs[k].outline_m).area)
-    return [(k, stance.slabs[k].outline_m) for k in order[:2]]
+    order = sorted(range(len(stance.prisms)), key=lambda k: -Polygon(stance.prisms[k].outline_m).area)
+    return [(k, stance.prisms[k].outline_m) for k in order[:2]]
 
 
 def _fewer_corners(ring: FloatArray) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from scenec.ir.problem import Problem, Proof, Volume
+from scenec.ir.problem import Problem, Proof, is_round
 from scenec.ir.relaxed import relaxed
 from scenec.proofs.apart import near_and_far
 from scenec.proofs.areas import more_area_than_there_is
@@ -52,7 +52,5 @@ def refutation(problem: Problem, most_programs: int = MOST_PROGRAMS) -> tuple[Pr
 
 def _of_what_stands(argument: Argument, problem: Problem) -> Proof | None:
     # In a round bowl things lean on the wall and on each other; what cannot stand there may well lie there.
-    leaning = {
-        t.path for t in problem.things if isinstance(t.place, Volume) and t.place.is_round and not t.domain.fixed_poses
-    }
+    leaning = {t.path for t in problem.things if is_round(t.place) and not t.domain.fixed_poses}
     return argument(relaxed(problem, leaning) if leaning else problem)

@@ -53,7 +53,7 @@ def on_site(placed: Placed, site: Site) -> bool:
     keep-outs."""
     base, shape = placed.placement.base_m, placed.turned.shape
     # Things carried by contents of a receptacle may rise over its rim; under a shelf board nothing may.
-    height_m = shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
+    height_m = shape.height_m if site.is_surface else max(prism.high_m for prism in shape.prisms[: shape.own])
     if base < -SLACK_M or base + height_m > site.top_m + SLACK_M:
         return False
     in_air = base > SLACK_M and site.is_surface  # a fixed pose off the floor is accepted as authored
@@ -67,18 +67,18 @@ def on_site(placed: Placed, site: Site) -> bool:
             if not all(site.grown_layers[k].covers(piece) for piece in placed.footprint):
                 return False
         else:
-            for outline, slab_low, slab_high in placed.slabs:
-                spans = slab_low - site.base_P_m < high - SLACK_M and slab_high - site.base_P_m > low + SLACK_M
+            for outline, prism_low, prism_high in placed.prisms:
+                spans = prism_low - site.base_P_m < high - SLACK_M and prism_high - site.base_P_m > low + SLACK_M
                 if spans and not site.grown_layers[k].covers(outline):
                     return False
     for outline, low, high in site.above:
-        for slab, slab_low, slab_high in placed.slabs:
-            if slab_low < high - SLACK_M and slab_high > low + SLACK_M and _overlap(slab, outline):
+        for prism, prism_low, prism_high in placed.prisms:
+            if prism_low < high - SLACK_M and prism_high > low + SLACK_M and _overlap(prism, outline):
                 return False
     return not any(
-        slab_low < high - SLACK_M and slab_high > low + SLACK_M and _overlap(slab, polygon)
+        prism_low < high - SLACK_M and prism_high > low + SLACK_M and _overlap(prism, polygon)
         for polygon, low, high in site.keep_outs
-        for slab, slab_low, slab_high in placed.slabs
+        for prism, prism_low, prism_high in placed.prisms
     )
 
 
@@ -107,8 +107,8 @@ def clash(a: Placed, b: Placed, clearance_m: float) -> bool:
         return any(_overlap(p, q) for p in a.footprint for q in b.footprint)
     return any(
         low_a < high_b - SLACK_M and low_b < high_a - SLACK_M and _too_close(p, q, clearance_m)
-        for p, low_a, high_a in a.slabs
-        for q, low_b, high_b in b.slabs
+        for p, low_a, high_a in a.prisms
+        for q, low_b, high_b in b.prisms
     )
 
 

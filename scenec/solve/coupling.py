@@ -13,10 +13,11 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from scenec.ir.problem import WORLD_PARENT, RelationIR, Volume
+from scenec.ir.problem import RelationIR
 from scenec.relations.table import RELATIONS
 from scenec.solve.model import Limit, SolverModel
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.program import BACKGROUND
 
 YAW_SAMPLES = 64
 
@@ -64,7 +65,7 @@ def heights(model: SolverModel, name: str) -> tuple[float, float]:
         0.0
     ]
     high = max(lows) + max(shape.height_m for shape in shapes)
-    if isinstance(thing.place, Volume) and not thing.domain.fixed_poses:
+    if thing.place.is_volume and not thing.domain.fixed_poses:
         high = max(high, thing.place.height_m)  # on other contents
     return base + min(lows), base + high
 
@@ -128,7 +129,7 @@ def lifted(model: SolverModel, rule: RelationIR) -> RelationIR:
     meaning = RELATIONS[rule.kind]
     if not meaning.lifts_to_owners or model.in_one_frame(rule):
         return rule
-    chains = [(WORLD_PARENT, *model.chains[name]) for name in rule.things]
+    chains = [(BACKGROUND, *model.chains[name]) for name in rule.things]
     depth = 0
     while depth < min(len(chain) for chain in chains) and chains[0][depth] == chains[1][depth]:
         depth += 1

@@ -17,7 +17,6 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import WORLD_PARENT, Slab
 from scenec.relations.protocol import Mover
 from scenec.relations.table import RELATIONS
 from scenec.solve.check import Assignment
@@ -28,6 +27,8 @@ from scenec.solve.planar import ROUND_OUT, SEGMENTS, SLACK_M, hulls, outline_of,
 from scenec.solve.region_geometry import NOWHERE, half_plane, minkowski_sum_points, no_fit_polygons
 from scenec.solve.shapes import ShapeAtYaw
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import Prism
+from schemas.scene.program import BACKGROUND
 
 FEW_PIECES = 16  # product of the piece counts of two footprints below which no-fit polygons are not cached
 _NO_FIT: WeakKeyDictionary[ShapeAtYaw, WeakKeyDictionary[ShapeAtYaw, dict[float, BaseGeometry]]] = WeakKeyDictionary()
@@ -90,10 +91,10 @@ def _box(x0: float, y0: float, x1: float, y1: float) -> BaseGeometry:
 def on_site_region(site: Site, turned: ShapeAtYaw, base_m: float = 0.0) -> BaseGeometry:
     """Region of a footprint on a place, on its floor or `base_m` over it, without ranges and limits."""
     shape = turned.shape
-    height = shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
+    height = shape.height_m if site.is_surface else max(prism.high_m for prism in shape.prisms[: shape.own])
     if base_m + height > site.top_m + SLACK_M:
         return NOWHERE
-    slabs = list(zip(turned.outlines, shape.slabs, strict=True))
+    prisms = list(zip(turned.outlines, shape.prisms, strict=True))
     base_P_m = site.base_P_m + base_m
     if len(site.layers) == 1:
         area = eroded(site.layers[0][2], turned.pieces)
@@ -101,7 +102,7 @@ def on_site_region(site: Site, turned: ShapeAtYaw, base_m: float = 0.0) -> BaseG
         area = None
         # The narrowest first, which most often leave nothing.
         for low, high, layer in sorted(site.layers, key=lambda layer: layer[2].area):
-            if outlines := _within(slabs, low - base_m, high - base_m):
+            if outlines := _within(prisms, low - base_m, high - base_m):
                 here = eroded(layer, outlines)
                 area = here if area is None else area.intersection(here)
                 if area.is_empty:
@@ -110,25 +111,25 @@ def on_site_region(site: Site, turned: ShapeAtYaw, base_m: float = 0.0) -> BaseG
     blocked = [
         s
         for part, low, high in site.above
-        for outline, slab in slabs
-        if slab.low_m + base_P_m < high - SLACK_M and slab.high_m + base_P_m > low + SLACK_M
+        for outline, prism in prisms
+        if prism.low_m + base_P_m < high - SLACK_M and prism.high_m + base_P_m > low + SLACK_M
         for s in no_fit_polygons(shapely.get_coordinates(part)[:-1], [outline])
     ]
     for keep, low, high in site.keep_outs:
         parts = shapely.get_parts(shapely.constrained_delaunay_triangles(keep))
         blocked += [
             s
-            for outline, slab in slabs
-            if slab.low_m + base_P_m < high - SLACK_M and slab.high_m + base_P_m > low + SLACK_M
+            for outline, prism in prisms
+            if prism.low_m + base_P_m < high - SLACK_M and prism.high_m + base_P_m > low + SLACK_M
             for part in parts
             for s in no_fit_polygons(shapely.get_coordinates(part)[:-1], [outline])
         ]
     return area.difference(shapely.union_all(blocked)) if blocked and not area.is_empty else area
 
 
-def _within(slabs: Sequence[tuple[FloatArray, Slab]], low_m: float, high_m: float) -> list[FloatArray]:
-    # Outlines of the slabs between two heights over the lowest point of a thing.
-    return [outline for outline, slab in slabs if slab.low_m < high_m - SLACK_M and slab.high_m > low_m + SLACK_M]
+def _within(prisms: Sequence[tuple[FloatArray, Prism]], low_m: float, high_m: float) -> list[FloatArray]:
+    # Outlines of the prisms between two heights over the lowest point of a thing.
+    return [outline for outline, prism in prisms if prism.low_m < high_m - SLACK_M and prism.high_m > low_m + SLACK_M]
 
 
 def feasible_region(
@@ -148,7 +149,7 @@ def feasible_region(
     thing = model.things[name]
     base_P_m = model.site(thing).base_P_m + base_m
     for rule in model.rules_of.get(name, ()):
-        others = {n for n in (*rule.things, rule.frame) if n not in (name, WORLD_PARENT)}
+        others = {n for n in (*rule.things, rule.frame) if n not in (name, BACKGROUND)}
         links = model.depends_on(rule) - {name}
         if name not in rule.things or not links.issubset(assignment) or any(name in model.chains[n] for n in others):
             continue
@@ -209,10 +210,10 @@ def _obstacles(
         elif placed.place == thing.place.name:
             whole += [minkowski_sum_points(piece, mine) for piece in placed.grown(clearance) for mine in turned.pieces]
         else:
-            for outline, low, high in placed.slabs:
+            for outline, low, high in placed.prisms:
                 wide = outline.buffer(clearance * ROUND_OUT, quad_segs=SEGMENTS) if clearance > 0.0 else outline
-                for mine, slab in zip(turned.outlines, turned.shape.slabs, strict=True):
-                    if slab.low_m + base < high - SLACK_M and low < slab.high_m + base - SLACK_M:
+                for mine, prism in zip(turned.outlines, turned.shape.prisms, strict=True):
+                    if prism.low_m + base < high - SLACK_M and low < prism.high_m + base - SLACK_M:
                         whole.append(minkowski_sum_points(shapely.get_coordinates(wide)[:-1], mine))
     return [*known, *hulls(whole)], blamed
 

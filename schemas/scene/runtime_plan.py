@@ -17,7 +17,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from schemas.scene.compiled import Point2, Point3, Prism, Quat_wxyz
+from schemas.scene.compiled import Point2, Point3, Quat_wxyz
+from schemas.scene.geometry import Prism
 from schemas.scene.program import Inline, Lighting, PairedMaterial
 from schemas.scene.relations import RelationKind
 

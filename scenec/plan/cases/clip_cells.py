@@ -13,11 +13,12 @@ from functools import partial
 
 import numpy as np
 
-from scenec.ir.problem import ReachIR, RelationIR
+from scenec.ir.problem import RelationIR
 from scenec.plan.cases.motions import ROUND_M, ROUNDING, Motions, RelativePoses, unevenness
 from scenec.plan.cases.pool_model import Layouts, PoolModel, floor_of
 from scenec.relations.table import RELATIONS
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import ReachRing
 
 CLIP_STEPS_M = (
     np.inf,
@@ -90,7 +91,7 @@ def freedom_of(pool: PoolModel, layouts: Layouts, rect_m: FloatArray, free: Bool
 
 
 def clip_cells(
-    pool: PoolModel, layouts: Layouts, freedom: Freedom, reach: ReachIR | None, base_P_m: FloatArray
+    pool: PoolModel, layouts: Layouts, freedom: Freedom, reach: ReachRing | None, base_P_m: FloatArray
 ) -> BoolArray:
     """Shortens steps until every relation and the reach (base (2,) in P) hold for all remaining poses.
 
@@ -168,7 +169,7 @@ def _holds(
     return RELATIONS[rule.kind].holds_throughout(rule, _motions(pool, layouts, freedom, numbers), value)
 
 
-def _reached(layouts: Layouts, freedom: Freedom, i: int, reach: ReachIR, base_P_m: FloatArray) -> BoolArray:
+def _reached(layouts: Layouts, freedom: Freedom, i: int, reach: ReachRing, base_P_m: FloatArray) -> BoolArray:
     box = freedom.clipped_boxes(layouts)[:, i]
     far_x = np.maximum(np.abs(box[:, 0] - base_P_m[0]), np.abs(box[:, 1] - base_P_m[0]))
     far_y = np.maximum(np.abs(box[:, 2] - base_P_m[1]), np.abs(box[:, 3] - base_P_m[1]))

@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import networkx as nx
 
-from scenec.ir.problem import WORLD_PARENT, RelationIR
+from scenec.ir.problem import RelationIR
 from scenec.plan.cases.cross_owner_relations import cross_owner_relation
 from scenec.solve.coupling import lifted, overlapping
 from scenec.solve.model import SolverModel
+from schemas.scene.program import BACKGROUND
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,6 @@ def pools_of(base: SolverModel) -> PoolPartition:
     frozen: set[str] = set()
     if model.problem.reach is not None:
         for name in model.problem.reach.members:
-            if model.things[name].parent != WORLD_PARENT:
+            if model.things[name].parent != BACKGROUND:
                 frozen |= set(model.chains[name])
     return PoolPartition(tuple(sorted(joint_pools, key=lambda pool: pool.names)), frozenset(frozen), model)

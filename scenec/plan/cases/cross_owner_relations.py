@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from scenec.ir.problem import WORLD_PARENT, RelationIR
+from scenec.ir.problem import RelationIR
 from scenec.plan.cases.clip_cells import Freedom, shift_of
 from scenec.plan.cases.motions import ROUND_M, ROUNDING, Motions, RelativePoses, sway, unevenness
 from scenec.plan.cases.pool_model import Layouts, PoolModel, floor_of
@@ -22,6 +22,7 @@ from scenec.relations.table import RELATIONS
 from scenec.solve.model import SolverModel
 from scenec.solve.shapes import Shape
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.program import BACKGROUND
 
 
 @dataclass(frozen=True)
@@ -49,11 +50,11 @@ def cross_owner_relation(model: SolverModel, rule: RelationIR) -> CrossOwnerRela
     chains = [model.chains[name] for name in rule.things]
     meaning = RELATIONS[rule.kind]
     if meaning.frame_dependent:
-        chains.append(() if rule.frame == WORLD_PARENT else model.chains[rule.frame])
+        chains.append(() if rule.frame == BACKGROUND else model.chains[rule.frame])
     depth = 0
     while all(len(chain) > depth for chain in chains) and len({chain[depth] for chain in chains}) == 1:
         depth += 1
-    base = chains[0][depth - 1] if depth else WORLD_PARENT
+    base = chains[0][depth - 1] if depth else BACKGROUND
     links = tuple(sorted({link for chain in chains for link in chain[depth:]}))
     turning = {name for chain in chains for name, _ in pairwise(chain[depth:])}  # owners on the way
     turning |= set(chains[-1][depth:]) if len(chains) > len(rule.things) else set()
@@ -78,7 +79,7 @@ def relation_values(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayou
 def _motions(relation: CrossOwnerRelation, parts: Mapping[str, OwnerLayouts]) -> Motions:
     # Poses of the members along the axes of the relation's frame, and the turn of that frame.
     rule, known = relation.rule, dict[str, RelativePoses]()
-    has_frame = RELATIONS[rule.kind].frame_dependent and rule.frame != WORLD_PARENT
+    has_frame = RELATIONS[rule.kind].frame_dependent and rule.frame != BACKGROUND
     axes = _relative_poses(rule.frame if has_frame else relation.base, relation.base, parts, known)
     c, s = np.cos(axes.yaw_rad), np.sin(axes.yaw_rad)
     members = []
@@ -121,7 +122,7 @@ def _relative_poses(
         count = len(next(iter(parts.values())).layouts)
         none, stance = np.zeros(count), np.zeros(count, dtype=np.int64)
         model = next(iter(parts.values())).pool.model
-        floor = none if name == WORLD_PARENT else none - _upright(model.shapes[name])[0].origin_height_m
+        floor = none if name == BACKGROUND else none - _upright(model.shapes[name])[0].origin_height_m
         known[name] = RelativePoses(np.zeros((count, 2)), none, stance, floor, none, none, none)
         return known[name]
     part = parts[name]

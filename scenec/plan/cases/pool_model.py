@@ -63,12 +63,12 @@ def extent_at(shape: Shape, yaw_rad: FloatArray) -> FloatArray:
 
 def own_hull(shape: Shape) -> FloatArray:
     """Convex hull (n, 2) of the body alone, without its load."""
-    return hull_of(np.concatenate([slab.outline_m for slab in shape.slabs[: shape.own]]))
+    return hull_of(np.concatenate([prism.outline_m for prism in shape.prisms[: shape.own]]))
 
 
 def overhang_m(shape: Shape) -> float:
     """Largest overhang of the load of a body over its own footprint: 0 unless a place was drawn beyond it."""
-    if shape.own == len(shape.slabs):
+    if shape.own == len(shape.prisms):
         return 0.0
     hull_polygon = polygon(own_hull(shape))
     out = float(shapely.distance(shapely.points(shape.hull), hull_polygon).max())
@@ -288,7 +288,7 @@ def front_of(member: Member, option: IntArray) -> FloatArray:
 
 def _stands(shape: Shape, site: Site) -> float:
     # Height that must stay below the top of a place: the load of contents may rise over the rim of a receptacle.
-    return shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
+    return shape.height_m if site.is_surface else max(prism.high_m for prism in shape.prisms[: shape.own])
 
 
 def _options(

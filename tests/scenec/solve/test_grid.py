@@ -9,10 +9,11 @@ from shapely import box
 
 from benchmarks.scenes.workload import workload
 from scenec.check.judge_scene import violations
-from scenec.ir.problem import KeepOutIR, RelationIR, Solved, Surface
+from scenec.ir.problem import RelationIR, Solved
 from scenec.solve import solve
 from scenec.solve.grid import spread_grid
 from scenec.solve.model import model_of
+from schemas.scene.geometry import KeepOutVolume
 
 
 def loose(n: int, seed: int):
@@ -25,8 +26,8 @@ def test_whatever_the_grid_seats_is_a_valid_scene(n: int, seed: int, kept_out: b
     problem = loose(n, seed)
     if kept_out:
         surface = problem.things[0].place
-        assert isinstance(surface, Surface)
-        rule = KeepOutIR("background", surface, box(-0.2, -0.4, 0.1, 0.1), np.inf, ("keep_outs", 0))
+        assert not surface.is_volume
+        rule = KeepOutVolume("background", surface, box(-0.2, -0.4, 0.1, 0.1), np.inf, ("keep_outs", 0))
         problem = replace(problem, keep_outs=(rule,))
     found = spread_grid(model_of(problem), [thing.name for thing in problem.things], {}, seed)
     assert found is None or violations(problem, found) == ()

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 from shapely import box
 
-from scenec.ir.problem import KeepOutIR, Problem, ReachIR, RelationIR
+from scenec.ir.problem import Problem, RelationIR
+from schemas.scene.geometry import KeepOutVolume, ReachRing
 from tests.support.scene.proof_problems import box_body, problem, table, thing
 
 CM = 0.01
@@ -43,10 +44,10 @@ def random_problem(seed: int) -> Problem:
             CM * rng.integers(0, round(depth / CM) - 3) - depth / 2,
         )
         polygon = box(x, y, x + CM * rng.integers(3, 8), y + CM * rng.integers(3, 8))
-        rules["keep_outs"] = (KeepOutIR("background", place, polygon, 0.1, ("keep_outs", 0)),)
+        rules["keep_outs"] = (KeepOutVolume("background", place, polygon, 0.1, ("keep_outs", 0)),)
     if rng.random() < 0.15:
         base = np.array([0.0, -depth / 2 - 0.05, 0.0])
-        rules["reach"] = ReachIR(base, 0.05, CM * rng.integers(6, 20), ("o0", "o1"), ("reach",))
+        rules["reach"] = ReachRing(base, 0.05, CM * rng.integers(6, 20), ("o0", "o1"), ("reach",))
     return problem(things, relations, float(rng.choice([0.0, 0.01, 0.02])), **rules)
 
 
@@ -77,7 +78,7 @@ def mixed_problem(seed: int) -> Problem:
     if rng.random() < 0.2:
         x, y = rng.uniform(-0.5, 0.3, 2) * [width, area / width]
         polygon = box(x, y, x + 0.15 * width, y + 0.15 * area / width)
-        rules["keep_outs"] = (KeepOutIR("background", place, polygon, 0.1, ("keep_outs", 0)),)
+        rules["keep_outs"] = (KeepOutVolume("background", place, polygon, 0.1, ("keep_outs", 0)),)
     return problem(things, relations, float(rng.choice([0.0, 0.005, 0.01])), **rules)
 
 

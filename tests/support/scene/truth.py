@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.ir.problem import Problem, RelationIR, Surface, Thing
+from scenec.ir.problem import Problem, RelationIR, Thing
 
 Truth = Literal["yes", "no", "unclear"]
 MOST_POSES = 6000
@@ -25,8 +25,8 @@ class Grid:
     """Poses (x, y, yaw) of one thing: `poses` (n, 3), and how far a real pose may be from the nearest."""
 
     def __init__(self, thing: Thing, step_m: float) -> None:
-        assert isinstance(thing.place, Surface)
-        self.thing, self.outline = thing, thing.body.resting_orientations[0].slabs[0].outline_m
+        assert not thing.place.is_volume
+        self.thing, self.outline = thing, thing.body.resting_orientations[0].prisms[0].outline_m
         low, high = thing.domain.yaw_rad
         square = np.allclose(np.ptp(self.outline, axis=0)[0], np.ptp(self.outline, axis=0)[1])
         high = min(high, low + (np.pi / 2 if square else np.pi))
