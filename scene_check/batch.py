@@ -42,6 +42,7 @@ class RelationRule:
     gap_m: float = 0.0
     tolerance: float = 0.0
     label: str = ""
+    angle_rad: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,7 @@ def scene_at(rules: SceneRules, poses: BatchPoses, k: int) -> CheckScene:
                 gap_m=rule.gap_m,
                 tolerance=rule.tolerance,
                 label=rule.label,
+                angle_rad=rule.angle_rad,
             )
             for rule in rules.relations
         ),

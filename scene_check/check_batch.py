@@ -239,7 +239,7 @@ def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, 
         along=_turned(np.broadcast_to(rule.direction, (n, 1, 2)), turn)[:, 0],
         is_hull=all(len(form.prisms) == 1 for i in rule.things for _, form in rules.things[i].forms),
     )
-    return PREDICATES[rule.kind].proven(RelationNumbers(rule.gap_m, rule.tolerance), members)
+    return PREDICATES[rule.kind].proven(RelationNumbers(rule.gap_m, rule.tolerance, rule.angle_rad), members)
 
 
 def _fronts(rules: SceneRules, poses: BatchPoses, i: int) -> FloatArray:

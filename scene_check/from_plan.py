@@ -38,6 +38,7 @@ def scene_rules(plan: RuntimePlan, combination: PlanCombination) -> SceneRules:
                 rule.gap_m,
                 rule.tolerance,
                 rule.word or rule.kind,
+                rule.angle_rad,
             )
             for rule in combination.relations
         ),

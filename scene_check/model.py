@@ -82,6 +82,7 @@ class CheckRelation:
     gap_m: float = 0.0
     tolerance: float = 0.0
     label: str = ""
+    angle_rad: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

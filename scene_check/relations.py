@@ -35,6 +35,7 @@ class RelationNumbers(NamedTuple):
 
     gap_m: float
     tolerance: float
+    angle_rad: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -166,6 +167,63 @@ def _between_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArra
     return inside & (length > LEAST_LINE_M)
 
 
+def _above(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+    rise = items[0].low_m - items[1].high_m
+    return Measured(rise, relation.gap_m, rise >= relation.gap_m - TOLERANCE_M)
+
+
+def _above_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
+    return members.low_m[0] - members.high_m[1] >= numbers.gap_m - SLACK_M
+
+
+def _angles_between(centre: FloatArray, others: FloatArray) -> FloatArray:
+    """Angles (..., k) between neighbours, of points (..., k, 2) about centres (..., 2)."""
+    steps = others - centre[..., None, :]
+    headings = np.sort(np.arctan2(steps[..., 1], steps[..., 0]), axis=-1)
+    last = headings[..., :1] + 2.0 * np.pi - headings[..., -1:]
+    return np.concatenate([np.diff(headings, axis=-1), last], axis=-1)
+
+
+def _surrounding(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+    least, most = relation.angle_rad or (0.0, 2.0 * np.pi)
+    origins = _origins(items)
+    angles = _angles_between(origins[0], origins[1:])
+    narrowest, widest = float(angles.min()), float(angles.max())
+    has_directions = bool(np.hypot(*(origins[1:] - origins[0]).T).min() > TOLERANCE_M)
+    holds = has_directions and narrowest >= least - TOLERANCE_M and widest <= most + TOLERANCE_M
+    value, bound = (narrowest, least) if least - narrowest >= widest - most else (widest, most)
+    return Measured(value, bound, holds, "rad")
+
+
+def _surrounding_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
+    least, most = numbers.angle_rad or (0.0, 2.0 * np.pi)
+    centre, others = members.origins[0], np.stack(members.origins[1:], axis=1)
+    angles = _angles_between(centre, others)
+    has_directions = np.hypot(*np.moveaxis(others - centre[:, None], -1, 0)).min(axis=1) > LEAST_LINE_M
+    return has_directions & (angles.min(axis=1) >= least - SLACK_M) & (angles.max(axis=1) <= most + SLACK_M)
+
+
+def _in_line(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+    along = np.asarray(relation.direction)
+    origins, across = _origins(items), np.array([-along[1], along[0]])
+    aside, steps = float(np.ptp(origins @ across)), np.diff(origins @ along)
+    if relation.gap_m > 0.0:
+        value = max(aside, float(np.abs(steps - relation.gap_m).max()))
+        return Measured(value, relation.tolerance, value <= relation.tolerance + TOLERANCE_M)
+    if (least := float(steps.min())) < -TOLERANCE_M:
+        return Measured(least, 0.0, False)
+    return Measured(aside, relation.tolerance, aside <= relation.tolerance + TOLERANCE_M)
+
+
+def _in_line_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
+    across = np.stack([-members.along[:, 1], members.along[:, 0]], axis=1)
+    aside = np.stack([np.einsum("nd,nd->n", at, across) for at in members.origins])
+    along = np.stack([np.einsum("nd,nd->n", at, members.along) for at in members.origins])
+    steps = along[1:] - along[:-1]
+    off = np.abs(steps - numbers.gap_m) - numbers.tolerance if numbers.gap_m > 0.0 else -steps
+    return (np.ptp(aside, axis=0) <= numbers.tolerance + SLACK_M) & (off <= SLACK_M).all(axis=0)
+
+
 PREDICATES = {
     "before": RelationPredicate(_before, _before_proven),
     "near": RelationPredicate(_near, _near_proven),
@@ -173,4 +231,7 @@ PREDICATES = {
     "aligned": RelationPredicate(_aligned, _aligned_proven),
     "facing": RelationPredicate(_facing, _facing_proven),
     "between": RelationPredicate(_between, _between_proven),
+    "above": RelationPredicate(_above, _above_proven),
+    "surrounding": RelationPredicate(_surrounding, _surrounding_proven),
+    "in_line": RelationPredicate(_in_line, _in_line_proven),
 }

@@ -1,14 +1,14 @@
 """Write every generated page of the documentation: `python -m cli.docs` (or `make docs`).
 
-The pages come from tables in the code: diagnostic codes, rules of the gate, effects of the sim gap. `generated_pages`
-is the whole list; a test compares it with the files in `docs/`.
+The pages come from tables in the code: diagnostic codes, rules of the gate, effects of the sim gap, relations of the
+scene language. `generated_pages` is the whole list; a test compares it with the files in `docs/`.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from cli.docs import diagnostics, effects, gate
+from cli.docs import diagnostics, effects, gate, relations
 
 DOCS = Path("docs")
 DIAGNOSTICS = Path("diagnostics")
@@ -17,7 +17,8 @@ DIAGNOSTICS = Path("diagnostics")
 def generated_pages() -> dict[Path, str]:
     """Text of each generated page by its path below `docs/`."""
     codes = {DIAGNOSTICS / name: text for name, text in diagnostics.pages().items()}
-    return {**codes, Path("reference/gate.md"): gate.page(), Path("reference/effects.md"): effects.page()}
+    tables = {"gate": gate.page(), "effects": effects.page(), "relations": relations.page()}
+    return {**codes, **{Path(f"reference/{name}.md"): text for name, text in tables.items()}}
 
 
 def write(docs: Path) -> None:

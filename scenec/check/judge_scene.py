@@ -92,4 +92,5 @@ def _relation(relation: RelationIR, poses: dict[str, LevelPose]) -> CheckRelatio
         gap_m=relation.gap_m,
         tolerance=relation.tolerance,
         label=relation.word or relation.kind,
+        angle_rad=relation.angle_rad,
     )

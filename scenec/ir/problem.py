@@ -66,7 +66,7 @@ class RelationIR:
     """A relation between things; what its numbers mean is in `scenec.relations`, in the file of its `kind`.
 
     `direction` is a unit vector (2,) in the frame of `frame`, which is BACKGROUND or a thing. `word` is the one that
-    was written, where it was.
+    was written, where it was, and `key` where its number is written, if not in the key that is usual for its kind.
     """
 
     kind: str
@@ -77,6 +77,8 @@ class RelationIR:
     frame: str = BACKGROUND
     path: Path = ()
     word: str = ""
+    angle_rad: tuple[float, float] | None = None
+    key: str = ""
 
     @property
     def as_written(self) -> tuple[str, ...]:

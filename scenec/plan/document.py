@@ -125,6 +125,7 @@ def _combination(
                 direction=rule.direction,
                 gap_m=rule.gap_m,
                 tolerance=rule.tolerance,
+                angle_rad=rule.angle_rad,
                 frame=rule.frame,
                 word=rule.word,
             )

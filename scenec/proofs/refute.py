@@ -7,6 +7,7 @@ from functools import partial
 
 from scenec.ir.problem import Problem, Proof, is_round
 from scenec.ir.relaxed import relaxed
+from scenec.proofs.alone import impossible_relation
 from scenec.proofs.apart import near_and_far
 from scenec.proofs.areas import more_area_than_there_is
 from scenec.proofs.axes import too_long_along_an_axis
@@ -20,6 +21,7 @@ CHEAP: tuple[Argument, ...] = (
     no_first_owner,
     too_long_along_an_axis,
     near_and_far,
+    impossible_relation,
     no_place_of_its_own,
     more_things_than_fixed_poses,
     more_area_than_there_is,

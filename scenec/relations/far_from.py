@@ -20,6 +20,7 @@ from scenec.relations.protocol import (
     Mover,
     RelationMeaning,
     WeakerNumber,
+    distance_relations,
     with_gap,
 )
 from scenec.solve import measures
@@ -34,7 +35,7 @@ class FarFrom(RelationMeaning):
     """See the module. Proofs take it as a pair that must keep `least_distance_m`."""
 
     kind = "far_from"
-    page = (("far_from", "[a, b]", "the distance of the footprints is at least `distance`"),)
+    page = (("far_from", "[a, b]", "the distance of the footprints is at least `distance`; within a range of two"),)
     lifts_to_owners = True
     slow_to_measure = True
 
@@ -42,8 +43,12 @@ class FarFrom(RelationMeaning):
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
     ) -> Iterator[RelationIR]:
-        for chosen in product(*sides):
-            yield RelationIR("far_from", chosen, gap_m=written.distance or 0.0, path=frames.path, word=word.word)
+        for one, two in product(*sides):
+            if isinstance(written.distance, tuple):
+                yield from distance_relations(written, [(one, two)], frames.path, word.word)
+            else:
+                least_m = written.distance or 0.0
+                yield RelationIR("far_from", (one, two), gap_m=least_m, path=frames.path, word=word.word)
 
     @override
     def excess(self, rule: RelationIR, assignment: Assignment) -> float:
@@ -87,7 +92,7 @@ class FarFrom(RelationMeaning):
     @override
     def weaker(self, rule: RelationIR) -> Iterator[WeakerNumber]:
         if rule.gap_m > 0.0:
-            yield WeakerNumber("distance", rule.gap_m, SUGGESTION_STEP_M, with_gap)
+            yield WeakerNumber(rule.key or "distance", rule.gap_m, SUGGESTION_STEP_M, with_gap)
 
 
 RELATION = FarFrom()

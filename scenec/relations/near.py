@@ -1,4 +1,4 @@
-"""`near`: the distance of the footprints is at most `gap_m`."""
+"""`near`: the distance of the footprints is at most `gap_m`; where that is 0, they overlap."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from shapely.geometry.base import BaseGeometry
 from typing_extensions import override
 
 from scenec.ir.problem import RelationIR
-from scenec.plan.cases.motions import Motions, footprint_distances
+from scenec.plan.cases.motions import Motions, footprint_distances, overlap_depths
 from scenec.plan.cases.rectangles import distance
 from scenec.proofs.constraints import BEGIN, END, Difference, LinearConstraint, NodePose
 from scenec.proofs.outlines import OUTLINE_SLACK_M, TURN, support_bounds
@@ -23,6 +23,7 @@ from scenec.relations.protocol import (
     Mover,
     RelationMeaning,
     WeakerNumber,
+    distance_relations,
     with_gap,
 )
 from scenec.solve import measures
@@ -31,22 +32,22 @@ from scenec.solve.planar import SEGMENTS
 from schemas.arrays import BoolArray, FloatArray
 from schemas.scene.relations import Relation, RelationWord
 
-DIRECTIONS = 16  # in which the origins are bounded by proofs
+DISTANCE_NORMALS = 16  # in which the origins are bounded by proofs
 
 
 class Near(RelationMeaning):
     """See the module."""
 
     kind = "near"
-    page = (("near", "[a, b]", "the distance of the footprints is at most `distance`"),)
+    page = (("near", "[a, b]", "the distance of the footprints is at most `distance`; within a range of two"),)
     slow_to_measure = True
 
     @override
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
     ) -> Iterator[RelationIR]:
-        for chosen in product(*sides):
-            yield RelationIR("near", chosen, gap_m=written.distance or 0.0, path=frames.path, word=word.word)
+        pairs = ((one, two) for one, two in product(*sides))
+        yield from distance_relations(written, pairs, frames.path, word.word)
 
     @override
     def excess(self, rule: RelationIR, assignment: Assignment) -> float:
@@ -73,8 +74,10 @@ class Near(RelationMeaning):
 
     @override
     def value(self, rule: RelationIR, motions: Motions) -> FloatArray:
-        """The distance of the footprints, where it can be small enough."""
+        """The distance of the footprints, where it can be small enough; below 0 where they must overlap and do."""
         one, two = motions.members
+        if rule.gap_m == 0.0:
+            return footprint_distances(one, two, 0.0) - overlap_depths(one, two)
         return footprint_distances(one, two, rule.gap_m)
 
     @override
@@ -91,7 +94,7 @@ class Near(RelationMeaning):
     def linear_rows(
         self, rule: RelationIR, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
     ) -> Iterator[LinearConstraint]:
-        for angle in np.arange(DIRECTIONS) * (TURN / DIRECTIONS):
+        for angle in np.arange(DISTANCE_NORMALS) * (TURN / DISTANCE_NORMALS):
             normal = np.array([np.cos(angle), np.sin(angle)])
             front = support_bounds(poses[0].outline, normal, poses[0].yaw)[1]
             back = support_bounds(poses[1].outline, normal, poses[1].yaw)[3]
@@ -100,7 +103,8 @@ class Near(RelationMeaning):
 
     @override
     def weaker(self, rule: RelationIR) -> Iterator[WeakerNumber]:
-        yield WeakerNumber("distance", rule.gap_m, rule.gap_m + WIDEST_M, with_gap)
+        if rule.gap_m > 0.0:
+            yield WeakerNumber(rule.key or "distance", rule.gap_m, rule.gap_m + WIDEST_M, with_gap)
 
 
 RELATION = Near()

@@ -1,4 +1,4 @@
-"""What a relation is to the compiler: one object with a method for each question that a phase asks about it.
+"""What a relation is to the compiler: one object with a method for each use that a phase has of it.
 
 Defaults are those of a relation that nothing is known of: always sound, never helpful. A file of this folder overrides
 what it knows. Frames as in `scenec.ir.problem`; B is the background's. Lengths in metres, angles in radians.
@@ -6,7 +6,7 @@ what it knows. Frames as in `scenec.ir.problem`; B is the background's. Lengths 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
@@ -55,7 +55,15 @@ class Mover(NamedTuple):
 
 
 class Batch(Protocol):
-    """The members of a relation in many layouts (...), in the frame P of their owner."""
+    """The members of a relation in many layouts (...), in the frame P of their owner.
+
+    `numbers` are their places in the relation: not all of them are there where it constrains early.
+    """
+
+    @property
+    def numbers(self) -> Sequence[int]:
+        """The number of each member in the relation."""
+        ...
 
     @property
     def rects_m(self) -> Sequence[FloatArray]:
@@ -101,6 +109,8 @@ class RelationMeaning:
     separable         a coordinate along its direction keeps both sides apart, so that they can be solved independently
     lifts_to_owners   it holds for contents when it holds for the trays that carry them
     slow_to_measure   it measures distances of polygons: plans look at it last
+    constrains_early  `region` and `may_hold` take any two of its members, the others not being placed yet
+    bounds_heights    what lies in a receptacle may have to lie on other contents to fulfil it
     """
 
     kind: str
@@ -109,6 +119,8 @@ class RelationMeaning:
     separable: bool = False
     lifts_to_owners: bool = False
     slow_to_measure: bool = False
+    constrains_early: bool = False
+    bounds_heights: bool = False
 
     # From the program.
 
@@ -218,6 +230,20 @@ def with_gap(rule: RelationIR, value: float) -> RelationIR:
 def with_tolerance(rule: RelationIR, value: float) -> RelationIR:
     """The relation with another tolerance."""
     return replace(rule, tolerance=value)
+
+
+def distance_relations(
+    written: Relation, pairs: Iterable[tuple[str, str]], path: Path, word: str
+) -> Iterator[RelationIR]:
+    """`near` and `far_from` for a written `distance`: one number bounds it from above, two from both sides."""
+    if written.distance is None:
+        return
+    is_range = isinstance(written.distance, tuple)
+    low, high = written.distance if isinstance(written.distance, tuple) else (0.0, written.distance)
+    for pair in pairs:
+        yield RelationIR("near", pair, gap_m=high, path=path, word=word, key="distance[1]" if is_range else "")
+        if is_range:
+            yield RelationIR("far_from", pair, gap_m=low, path=path, word=word, key="distance[0]")
 
 
 def along_axis(cosine: float) -> bool:

@@ -1,7 +1,7 @@
 """The solver: transactional search for a complete assignment of poses. Start with `solver.solve`.
 
 The names below are loaded when they are used: relations measure placed things with modules of this folder, and the
-solver asks relations.
+solver uses relations.
 """
 
 from typing import TYPE_CHECKING

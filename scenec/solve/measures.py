@@ -85,6 +85,12 @@ def outlines_B(placed: Placed, assignment: Mapping[str, Placed]) -> list[FloatAr
     return [(piece + shift) @ turn_T + (owner.x_m, owner.y_m) for piece in placed.turned.pieces]
 
 
+def heights_B(placed: Placed, assignment: Mapping[str, Placed]) -> tuple[float, float]:
+    """Lowest and highest z in B of a placed thing, without what it carries."""
+    floor = pose_of(placed.parent, assignment).z_m + placed.base_P_m
+    return floor + placed.turned.shape.own_low_m, floor + placed.turned.shape.own_high_m
+
+
 def front_B(placed: Placed, assignment: Mapping[str, Placed]) -> float:
     """Heading of the asset's +x in B."""
     return pose_of(placed.parent, assignment).yaw_rad + placed.turned.yaw_rad + placed.turned.shape.front_rad

@@ -8,6 +8,7 @@ side; footprints of many pieces are replaced by slightly larger ones (COARSE_SHA
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from math import inf
 from weakref import WeakKeyDictionary
@@ -142,15 +143,22 @@ def feasible_region(
 ) -> tuple[BaseGeometry, set[str]]:
     """(region of the origin, names of the things that reduced it below `unary_region`), `base_m` over its place.
 
-    Relations with things not placed yet, or in the frame of the thing itself, are left to the check."""
+    Relations with things not placed yet (unless they constrain early), or in the frame of the thing itself, are left to
+    the check."""
     if unary_region.is_empty:
         return unary_region, set()
     area, culprits = unary_region, set[str]()
     thing = model.things[name]
     base_P_m = model.site(thing).base_P_m + base_m
     for rule in model.rules_of.get(name, ()):
-        others = {n for n in (*rule.things, rule.frame) if n not in (name, BACKGROUND)}
-        links = model.depends_on(rule) - {name}
+        placed = rule
+        if RELATIONS[rule.kind].constrains_early:
+            members = tuple(n for n in rule.things if n == name or n in assignment)
+            if len(members) < 2:
+                continue
+            placed = rule if len(members) == len(rule.things) else replace(rule, things=members)
+        others = {n for n in (*placed.things, rule.frame) if n not in (name, BACKGROUND)}
+        links = model.depends_on(placed) - {name}
         if name not in rule.things or not links.issubset(assignment) or any(name in model.chains[n] for n in others):
             continue
         owner = pose_of(thing.parent, assignment)

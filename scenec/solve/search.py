@@ -276,6 +276,8 @@ def _forward_check(
         thing = model.things[other]
         if thing.domain.fixed_poses or not set(model.chains[other][:-1]).issubset(trial):
             continue
+        if thing.place.is_volume and any(RELATIONS[r.kind].bounds_heights for r in model.rules_of[other]):
+            continue  # it may have to lie on other contents
         blamed: set[str] = set()
         for stance, yaw in poses_to_try(model, thing, stream(seed, "ahead", other), dense=True)[:POSE_TRIES]:
             turned = model.shapes[other][stance].turned(yaw)

@@ -48,13 +48,31 @@ def _options(relation: Relation, row: RelationWord, spans: Spans, path: Path) ->
         allowed = ", ".join(f"`{option}`" for option in sorted(row.keys))
         headline = f"`{key}` has no effect on {row.word}, which takes {allowed}"
         yield finding("scene/option-without-effect", headline, where=spans.key((*path, key)))
-    if row.needs and not any(getattr(relation, key) for key in row.needs):
+    for key, other in row.only_with:
+        if key in relation.model_fields_set and not getattr(relation, other):
+            headline = f"`{key}` has no effect on {row.word} without `{other}`"
+            yield finding("scene/option-without-effect", headline, where=spans.key((*path, key)))
+    given = [key for key in row.needs if getattr(relation, key)]
+    if row.needs and not given:
         needed = " or ".join(f"`{key}`" for key in row.needs)
         yield finding("scene/missing-key", f"`{written(path)}` needs {needed}", where=spans.place(path))
-    for key in sorted(row.radians):
+    elif len(given) > 1:
+        headline = f"`{written(path)}` gives {' and '.join(f'`{key}`' for key in given)}, of which one counts"
+        yield finding("scene/given-twice", headline, where=spans.key((*path, given[1])))
+    for key in sorted(set(row.radians).difference(row.needs)):
         if getattr(relation, key) is not None and getattr(relation, f"{key}_deg") is not None:
             headline = f"`{written(path)}` gives its {key.replace('_', ' ')} twice"
             yield finding("scene/given-twice", headline, where=spans.key((*path, f"{key}_deg")))
+    distance = relation.distance
+    if isinstance(distance, tuple) and distance[0] > distance[1]:
+        headline = f"`{written((*path, 'distance'))}` ends at {distance[1]:g} before it begins at {distance[0]:g}"
+        yield finding(
+            "scene/range-reversed",
+            headline,
+            where=spans.place((*path, "distance")),
+            value=distance[1],
+            bound=distance[0],
+        )
 
 
 def _frame(names: Names, frame: str, spans: Spans, path: Path) -> Iterator[Diagnostic]:

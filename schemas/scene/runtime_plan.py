@@ -119,6 +119,9 @@ class PlanRelation(_Model):
     direction: Point2
     gap_m: float = 0.0
     tolerance: float = 0.0
+    angle_rad: tuple[float, float] | None = Field(
+        default=None, exclude_if=lambda angle: angle is None, description="least and largest, of the kinds with angles"
+    )
     frame: str = "background"
     word: str = ""
 

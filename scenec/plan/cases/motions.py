@@ -126,3 +126,18 @@ def footprint_distances(one: RelativePoses, two: RelativePoses, most_m: float = 
     gaps = [shapely.distance(piece, other) for piece in one.pieces(rows) for other in two.pieces(rows)]
     gap[rows] = np.nanmin(np.stack(gaps), axis=0)
     return gap
+
+
+def overlap_depths(one: RelativePoses, two: RelativePoses) -> FloatArray:
+    """By how much (l,) both footprints together may move and still overlap; 0 where they do not.
+
+    Each footprint contains a disc around the centroid of the overlap of two pieces, and the discs meet as long as they
+    move no farther than the sum of their radii.
+    """
+    rows, depth_m = np.arange(len(one.yaw_rad)), np.zeros(len(one.yaw_rad))
+    for piece in one.pieces(rows):
+        for other in two.pieces(rows):
+            middle = shapely.centroid(shapely.intersection(piece, other))
+            radii = [shapely.distance(middle, shapely.boundary(polygon)) for polygon in (piece, other)]
+            depth_m = np.fmax(depth_m, radii[0] + radii[1])
+    return depth_m

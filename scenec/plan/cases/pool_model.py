@@ -250,9 +250,11 @@ def _member(model: SolverModel, name: str, fixed: Placement | None, solved: Plac
 
 @dataclass(frozen=True)
 class MemberBatch:
-    """Some members in many layouts (...): options (...), rectangles (..., 4) and origins (..., 2) of each."""
+    """Members of a relation, `numbers` in it, in many layouts (...): options (...), rectangles (..., 4) and origins
+    (..., 2) of each."""
 
     members: Sequence[Member]
+    numbers: Sequence[int]
     options: Sequence[IntArray]
     rects_m: Sequence[FloatArray]
     origins_m: Sequence[FloatArray]

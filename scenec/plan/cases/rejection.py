@@ -152,17 +152,21 @@ def _candidates(
         good &= clear
     known = {*placed, i}
     for rule in pool.rules:
+        meaning = RELATIONS[rule.kind]
         numbers = [pool.index[name] for name in rule.things]
-        if i not in numbers or not known.issuperset(numbers):
+        there = [n for n, k in enumerate(numbers) if k in known]
+        if i not in numbers or len(there) < (2 if meaning.constrains_early else len(numbers)):
             continue
+        numbers = [numbers[n] for n in there]
         shape = (len(rows), tries)
         batch = MemberBatch(
             [pool.members[k] for k in numbers],
+            there,
             [picked if k == i else np.broadcast_to(option[rows, k][:, None], shape) for k in numbers],
             [around_m if k == i else np.broadcast_to(rect[rows, k][:, None], (*shape, 4)) for k in numbers],
             [at if k == i else np.broadcast_to(origin[rows, k][:, None], (*shape, 2)) for k in numbers],
         )
-        good &= RELATIONS[rule.kind].may_hold(rule, batch)
+        good &= meaning.may_hold(rule, batch)
     return picked, at, around_m, good
 
 

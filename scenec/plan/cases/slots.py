@@ -102,6 +102,7 @@ def layouts_in_slots(
         numbers = [pool.index[name] for name in rule.things]
         batch = MemberBatch(
             [pool.members[k] for k in numbers],
+            range(len(numbers)),
             [option[:, k] for k in numbers],
             [rect[:, k] for k in numbers],
             [origin[:, k] for k in numbers],
