@@ -13,6 +13,7 @@ from schemas.scene.geometry import KeepOutVolume, ReachRing
 from tests.support.scene.proof_problems import box_body, problem, table, thing
 
 CM = 0.01
+OFF_GRID_M = 0.006  # so that no bound is met exactly, in a single pose
 
 
 def random_problem(seed: int) -> Problem:
@@ -130,3 +131,41 @@ def tray_problem(seed: int) -> Problem:
             )
         )
     return problem(things, relations, 0.01)
+
+
+def word_problem(kind: str, seed: int) -> Problem:
+    """Two to four small boxes with one or two relations, one of them of this kind: `above` (with boxes on two boards,
+    some over one another), `surrounding` or `in_line`. Small enough for all poses of a grid."""
+    rng = np.random.default_rng([11, len(kind), seed])
+    width, depth = CM * rng.integers(11, 17), CM * rng.integers(8, 13)
+    count = {"above": 2, "surrounding": 4, "in_line": 3}[kind] if rng.random() < 0.6 else 3
+    boards = [table(width, depth), replace(table(width, depth), name="board", origin_P_m=np.array([0.0, 0.0, 0.1]))]
+    things = []
+    for k in range(count):
+        size = CM * rng.integers(2, 5, 2)
+        ranges = {"x": (-CM * rng.integers(0, 8), CM * rng.integers(0, 8))} if rng.random() < 0.2 else {}
+        board = boards[rng.integers(2)] if kind == "above" else boards[0]
+        height = CM * int(rng.integers(3, 8))
+        things.append(thing(f"o{k}", tuple(size), board, yaw=(0.0, 0.0), height=height, **ranges))
+    names = tuple(f"o{k}" for k in rng.permutation(count))
+    path = ("relations", 0)
+    if kind == "above":
+        relations = [RelationIR("above", names[:2], gap_m=CM * int(rng.integers(0, 6)), path=path)]
+        if rng.random() < 0.5:
+            relations.append(RelationIR("near", names[:2], gap_m=0.0, path=path))
+    elif kind == "surrounding":
+        even, off = 2.0 * np.pi / (count - 1), float(rng.choice([0.3, 0.6]))
+        angle = (even - off, even + off) if rng.random() < 0.5 else (float(rng.uniform(0.7, 1.1)) * even, 2.0 * np.pi)
+        relations = [RelationIR("surrounding", names, path=path, angle_rad=angle)]
+        if rng.random() < 0.5:
+            relations += [
+                RelationIR("near", (names[0], o), gap_m=CM * int(rng.integers(1, 3)) + OFF_GRID_M) for o in names[1:]
+            ]
+    else:
+        direction = [(1.0, 0.0), (0.0, 1.0)][rng.integers(2)]
+        spacing = CM * int(rng.integers(2, 8)) if rng.random() < 0.7 else 0.0
+        tolerance = CM * int(rng.integers(0, 2)) + OFF_GRID_M
+        relations = [RelationIR("in_line", names, direction, spacing, tolerance, path=path)]
+    if rng.random() < 0.4:
+        relations.append(_relation(rng, 1, count))
+    return problem(things, relations, float(rng.choice([0.0, 0.01])))
