@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.arrays import FloatArray, IntArray
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 from schemas.scene.runtime_plan import PlanCase, PlanCombination, PlanStance, RuntimePlan
 
 MICRO = 1e-6

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from scene_check.check_scene import check
     from scene_check.model import (
         CheckObject,
-        CheckRelation,
         CheckScene,
         PosedPlace,
         Violation,
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CheckObject",
-    "CheckRelation",
     "CheckScene",
     "PosedPlace",
     "Violation",
@@ -31,7 +29,6 @@ __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "CheckObject": "scene_check.model",
-        "CheckRelation": "scene_check.model",
         "CheckScene": "scene_check.model",
         "PosedPlace": "scene_check.model",
         "Violation": "scene_check.model",

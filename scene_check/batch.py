@@ -5,18 +5,24 @@ Frames: W, A, P (an asset frame turned by yaw alone) and S as in `schemas.scene.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from geom.planar import front_of, turned
-from scene_check.model import CheckObject, CheckRelation, CheckScene, PosedPlace
+from scene_check.model import CheckObject, CheckScene, PosedPlace
 from schemas.arrays import BoolArray, FloatArray, IntArray
-from schemas.scene.geometry import Domain, KeepOutVolume, Prism, ReachRing, ScenePlace, Stance
-from schemas.scene.program import BACKGROUND
-
-WORLD = -1  # the background, as number of an owner
+from schemas.scene.geometry import (
+    BACKGROUND,
+    Domain,
+    KeepOutVolume,
+    Prism,
+    ReachRing,
+    ScenePlace,
+    SceneRelation,
+    Stance,
+)
 
 
 @dataclass(frozen=True)
@@ -28,21 +34,7 @@ class ThingRule:
     forms: tuple[tuple[int, Stance], ...]
     owner: str
     place: ScenePlace
-    domain: Domain = Domain()
-
-
-@dataclass(frozen=True)
-class RelationRule:
-    """A relation between objects by number; `direction` (2,) is given in P of object `frame`."""
-
-    kind: str
-    things: tuple[int, ...]
-    direction: FloatArray
-    frame: int = WORLD
-    gap_m: float = 0.0
-    tolerance: float = 0.0
-    label: str = ""
-    angle_rad: tuple[float, float] | None = None
+    domain: Domain = field(default_factory=Domain)
 
 
 @dataclass(frozen=True)
@@ -53,14 +45,14 @@ class SceneRules:
     origin_m: FloatArray
     yaw_rad: float
     clearance_m: float
-    relations: tuple[RelationRule, ...] = ()
+    relations: tuple[SceneRelation, ...] = ()
     keep_outs: tuple[KeepOutVolume, ...] = ()
     reach: ReachRing | None = None
 
     @cached_property
     def number(self) -> dict[str, int]:
-        """Numbers of the objects by name; WORLD for the background."""
-        return {thing.name: i for i, thing in enumerate(self.things)} | {BACKGROUND: WORLD}
+        """Numbers of the objects by name."""
+        return {thing.name: i for i, thing in enumerate(self.things)}
 
 
 @dataclass(frozen=True)
@@ -78,11 +70,13 @@ def scene_at(rules: SceneRules, poses: BatchPoses, k: int) -> CheckScene:
     """Scene k as input of `scene_check.check_scene`. An orientation that belongs to no stance becomes stance -1."""
     origins, yaws = poses.origin_m[k], poses.yaw_rad[k]
 
-    def owner(number: int) -> tuple[FloatArray, float]:
-        return (rules.origin_m, rules.yaw_rad) if number == WORLD else (origins[number], float(yaws[number]))
+    def owner(name: str) -> tuple[FloatArray, float]:
+        if name == BACKGROUND:
+            return rules.origin_m, rules.yaw_rad
+        return origins[rules.number[name]], float(yaws[rules.number[name]])
 
     def place(name: str, geometry: ScenePlace) -> PosedPlace:
-        return place_in_world(name, geometry, *owner(rules.number[name]))
+        return place_in_world(name, geometry, *owner(name))
 
     places = {(t.owner, id(t.place)): place(t.owner, t.place) for t in rules.things}
     objects: list[CheckObject] = []
@@ -94,18 +88,7 @@ def scene_at(rules: SceneRules, poses: BatchPoses, k: int) -> CheckScene:
     return CheckScene(
         objects=tuple(objects),
         clearance_m=rules.clearance_m,
-        relations=tuple(
-            CheckRelation(
-                kind=rule.kind,
-                objects=tuple(rules.things[i].name for i in rule.things),
-                direction=turned(rule.direction[None], owner(rule.frame)[1])[0],
-                gap_m=rule.gap_m,
-                tolerance=rule.tolerance,
-                label=rule.label,
-                angle_rad=rule.angle_rad,
-            )
-            for rule in rules.relations
-        ),
+        relations=tuple(relation_in_world(rule, owner(rule.frame)[1]) for rule in rules.relations),
         keep_outs=tuple((place(rule.parent, rule.place), rule) for rule in rules.keep_outs),
         reach=rules.reach,
     )
@@ -115,6 +98,12 @@ def place_in_world(owner: str, place: ScenePlace, origin_m: FloatArray, yaw_rad:
     """A place in W, for an owner whose asset frame is at `origin_m` (3,) with `yaw_rad`."""
     shift = turned(place.origin_P_m[None, :2], yaw_rad)[0]
     return PosedPlace(owner, place, origin_m + np.array([*shift, place.origin_P_m[2]]), yaw_rad)
+
+
+def relation_in_world(relation: SceneRelation, yaw_rad: float) -> SceneRelation:
+    """A relation with its direction in W, for an owner of its frame with `yaw_rad`."""
+    x, y = turned(np.array([relation.direction]), yaw_rad)[0].tolist()
+    return replace(relation, direction=(x, y))
 
 
 def object_in_world(

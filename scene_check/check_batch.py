@@ -16,12 +16,11 @@ from shapely import Polygon
 
 from geom.planar import front_of
 from scene_check import Violation, check
-from scene_check.batch import WORLD, BatchPoses, RelationRule, SceneRules, ThingRule, scene_at
+from scene_check.batch import BatchPoses, SceneRules, ThingRule, scene_at
 from scene_check.model import TOLERANCE_M, TURN
-from scene_check.relations import PREDICATES, SLACK_M, BatchMembers, RelationNumbers
+from scene_check.relations import PREDICATES, SLACK_M, BatchMembers
 from schemas.arrays import BoolArray, FloatArray, IntArray
-from schemas.scene.geometry import KeepOutVolume, ScenePlace
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, KeepOutVolume, ScenePlace, SceneRelation
 
 
 @dataclass(frozen=True)
@@ -89,18 +88,18 @@ def _turned(points: FloatArray, yaw_rad: FloatArray) -> FloatArray:
     return np.stack([c * points[..., 0] - s * points[..., 1], s * points[..., 0] + c * points[..., 1]], axis=-1)
 
 
-def _owner(rules: SceneRules, poses: BatchPoses, number: int) -> tuple[FloatArray, FloatArray]:
+def _owner(rules: SceneRules, poses: BatchPoses, name: str) -> tuple[FloatArray, FloatArray]:
     """Origins (n or 1, 3) and yaws (n or 1,) in W of an owner."""
-    if number == WORLD:
+    if name == BACKGROUND:
         return rules.origin_m[None], np.array([rules.yaw_rad])
-    return poses.origin_m[:, number], poses.yaw_rad[:, number]
+    return poses.origin_m[:, rules.number[name]], poses.yaw_rad[:, rules.number[name]]
 
 
 def _in_place(
     rules: SceneRules, poses: BatchPoses, owner: str, place: ScenePlace, points_W: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Points (n, v, 2) in A of a place, its height (n or 1,) and its yaw (n or 1,) in W."""
-    origin, yaw = _owner(rules, poses, rules.number[owner])
+    origin, yaw = _owner(rules, poses, owner)
     inside = _turned(points_W - origin[:, None, :2], -yaw) - place.origin_P_m[:2]
     return inside, origin[:, 2] + place.origin_P_m[2], yaw
 
@@ -226,20 +225,21 @@ def _owners(rules: SceneRules, i: int) -> set[int]:
     return owners
 
 
-def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: RelationRule) -> BoolArray:
+def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: SceneRelation) -> BoolArray:
     """(n,) True where a relation is proven to hold."""
     n = len(footprints.low_m)
     turn = np.broadcast_to(_owner(rules, poses, rule.frame)[1], (n,))
+    numbers = [rules.number[name] for name in rule.things]
     members = BatchMembers(
-        hulls=[footprints.hulls[i] for i in rule.things],
-        low_m=[footprints.low_m[:, i] for i in rule.things],
-        high_m=[footprints.high_m[:, i] for i in rule.things],
-        origins=[poses.origin_m[:, i, :2] for i in rule.things],
-        front_of=lambda k: _fronts(rules, poses, rule.things[k]),
+        hulls=[footprints.hulls[i] for i in numbers],
+        low_m=[footprints.low_m[:, i] for i in numbers],
+        high_m=[footprints.high_m[:, i] for i in numbers],
+        origins=[poses.origin_m[:, i, :2] for i in numbers],
+        front_of=lambda k: _fronts(rules, poses, numbers[k]),
         along=_turned(np.broadcast_to(rule.direction, (n, 1, 2)), turn)[:, 0],
-        is_hull=all(len(form.prisms) == 1 for i in rule.things for _, form in rules.things[i].forms),
+        is_hull=all(len(form.prisms) == 1 for i in numbers for _, form in rules.things[i].forms),
     )
-    return PREDICATES[rule.kind].proven(RelationNumbers(rule.gap_m, rule.tolerance, rule.angle_rad), members)
+    return PREDICATES[rule.kind].proven(rule, members)
 
 
 def _fronts(rules: SceneRules, poses: BatchPoses, i: int) -> FloatArray:
@@ -250,8 +250,8 @@ def _fronts(rules: SceneRules, poses: BatchPoses, i: int) -> FloatArray:
 
 def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: KeepOutVolume) -> BoolArray:
     """(n,) True where an object may be over a keep-out."""
-    owner = rules.number[rule.parent]
-    exempt = {owner} | (set() if owner == WORLD else _owners(rules, owner))
+    owner = rules.number.get(rule.parent)
+    exempt = set() if owner is None else {owner} | _owners(rules, owner)
     bad = np.zeros(len(footprints.low_m), dtype=bool)
     for i in range(len(rules.things)):
         if i in exempt:

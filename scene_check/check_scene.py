@@ -39,8 +39,8 @@ def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation
     violations += unstable_stacks(scene)
     violations += too_close(scene, by_name, changed)
     for relation in scene.relations:
-        if id(relation) not in judged_before or not changed.isdisjoint(relation.objects):
-            violations += broken_relation(relation, [by_name[name] for name in relation.objects])
+        if id(relation) not in judged_before or not changed.isdisjoint(relation.things):
+            violations += broken_relation(relation, [by_name[name] for name in relation.things])
     for place, keep_out in scene.keep_outs:
         violations += entered_keep_out(place, keep_out, scene, by_name)
     if scene.reach is not None:

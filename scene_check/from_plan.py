@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from scene_check.batch import WORLD, RelationRule, SceneRules, ThingRule
-from schemas.scene.plan_geometry import domain_of, keep_out_of, place_of, reach_of, stance_of
-from schemas.scene.program import BACKGROUND
+from scene_check.batch import SceneRules, ThingRule
+from schemas.scene.plan_geometry import domain_of, keep_out_of, place_of, reach_of, relation_of, stance_of
 from schemas.scene.runtime_plan import PlanCombination, RuntimePlan
 
 
 def scene_rules(plan: RuntimePlan, combination: PlanCombination) -> SceneRules:
     """The rules of every sample of a combination. The forms of an object are all stances of all its bodies."""
-    number = {thing.id: i for i, thing in enumerate(combination.things)} | {BACKGROUND: WORLD}
     forms = [tuple(enumerate(map(stance_of, body.stances))) for body in plan.bodies]
     places = [(owner, place_of(place)) for owner, place in combination.places]
     X_WB = np.array(combination.X_WB)
@@ -29,19 +27,7 @@ def scene_rules(plan: RuntimePlan, combination: PlanCombination) -> SceneRules:
         origin_m=X_WB[:3, 3],
         yaw_rad=float(np.arctan2(X_WB[1, 0], X_WB[0, 0])),
         clearance_m=plan.clearance_m,
-        relations=tuple(
-            RelationRule(
-                rule.kind,
-                tuple(number[name] for name in rule.things),
-                np.array(rule.direction),
-                number[rule.frame],
-                rule.gap_m,
-                rule.tolerance,
-                rule.word or rule.kind,
-                rule.angle_rad,
-            )
-            for rule in combination.relations
-        ),
+        relations=tuple(map(relation_of, combination.relations)),
         keep_outs=tuple(keep_out_of(rule, *places[rule.place]) for rule in combination.keep_outs),
         reach=None if combination.reach is None else reach_of(combination.reach),
     )

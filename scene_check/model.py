@@ -5,14 +5,14 @@ Frame A of a place: its origin and yaw in W, z up.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.scene.geometry import Domain, KeepOutVolume, Prism, ReachRing, ScenePlace
+from schemas.scene.geometry import Domain, KeepOutVolume, Prism, ReachRing, ScenePlace, SceneRelation
 
 TOLERANCE_M = 1e-6
 TURN = 2.0 * np.pi
@@ -50,7 +50,7 @@ class CheckObject:
     yaw_rad: float
     front: FloatArray
     place: PosedPlace
-    domain: Domain = Domain()
+    domain: Domain = field(default_factory=Domain)
     stance: int = 0
     is_known: bool = True
 
@@ -73,26 +73,13 @@ class CheckObject:
 
 
 @dataclass(frozen=True)
-class CheckRelation:
-    """A relation over names, of a kind of `scene_check.relations`; `direction` (2,) is unit and in W."""
-
-    kind: str
-    objects: tuple[str, ...]
-    direction: FloatArray
-    gap_m: float = 0.0
-    tolerance: float = 0.0
-    label: str = ""
-    angle_rad: tuple[float, float] | None = None
-
-
-@dataclass(frozen=True)
 class CheckScene:
     """All placed objects with their rules; fixed surroundings are represented by their places. Each keep-out has its
-    place in W."""
+    place in W; directions of relations are in W."""
 
     objects: tuple[CheckObject, ...]
     clearance_m: float
-    relations: tuple[CheckRelation, ...] = ()
+    relations: tuple[SceneRelation, ...] = ()
     keep_outs: tuple[tuple[PosedPlace, KeepOutVolume], ...] = ()
     reach: ReachRing | None = None
 

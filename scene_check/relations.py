@@ -14,8 +14,9 @@ import numpy as np
 import shapely
 
 from scene_check.measures import polygons
-from scene_check.model import TOLERANCE_M, CheckObject, CheckRelation, Violation
+from scene_check.model import TOLERANCE_M, CheckObject, Violation
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import SceneRelation
 
 SLACK_M = 0.5 * TOLERANCE_M  # of bounds, so that rounding cannot pass a scene that the exact predicate rejects
 LEAST_LINE_M = 2.0 * TOLERANCE_M  # two points closer than this may define no direction
@@ -28,14 +29,6 @@ class Measured(NamedTuple):
     bound: float
     holds: bool
     unit: str = "m"
-
-
-class RelationNumbers(NamedTuple):
-    """The numbers of a relation that all its scenes share."""
-
-    gap_m: float
-    tolerance: float
-    angle_rad: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -57,32 +50,32 @@ class BatchMembers:
 class RelationPredicate:
     """Both forms of the predicate of one kind."""
 
-    measure: Callable[[CheckRelation, list[CheckObject]], Measured]
-    proven: Callable[[RelationNumbers, BatchMembers], BoolArray]
+    measure: Callable[[SceneRelation, list[CheckObject]], Measured]
+    proven: Callable[[SceneRelation, BatchMembers], BoolArray]
 
 
-def broken_relation(relation: CheckRelation, items: list[CheckObject]) -> Iterator[Violation]:
+def broken_relation(relation: SceneRelation, items: list[CheckObject]) -> Iterator[Violation]:
     """A violation with the measured value where the relation does not hold."""
     measured = PREDICATES[relation.kind].measure(relation, items)
     if not measured.holds:
-        label = relation.label or relation.kind
-        yield Violation("relation", relation.objects, measured.value, measured.bound, measured.unit, label)
+        label = relation.word or relation.kind
+        yield Violation("relation", relation.things, measured.value, measured.bound, measured.unit, label)
 
 
 def _origins(items: list[CheckObject]) -> FloatArray:
     return np.array([item.origin_m[:2] for item in items])
 
 
-def _before(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+def _before(relation: SceneRelation, items: list[CheckObject]) -> Measured:
     along = np.asarray(relation.direction)
     end = max(float((prism.outline_m @ along).max()) for prism in items[0].prisms)
     begin = min(float((prism.outline_m @ along).min()) for prism in items[1].prisms)
     return Measured(begin - end, relation.gap_m, begin - end >= relation.gap_m - TOLERANCE_M)
 
 
-def _before_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
+def _before_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
     first, second = (np.einsum("nvd,nd->nv", hull, members.along) for hull in members.hulls)
-    return second.min(axis=1) - first.max(axis=1) >= numbers.gap_m - SLACK_M
+    return second.min(axis=1) - first.max(axis=1) >= relation.gap_m - SLACK_M
 
 
 def _distance(items: list[CheckObject]) -> float:
@@ -95,39 +88,39 @@ def _hull_distance(members: BatchMembers) -> FloatArray:
     return np.asarray(shapely.distance(outline_a, outline_b))
 
 
-def _near(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+def _near(relation: SceneRelation, items: list[CheckObject]) -> Measured:
     distance = _distance(items)
     return Measured(distance, relation.gap_m, distance - relation.gap_m <= TOLERANCE_M)
 
 
-def _near_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
+def _near_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
     if not members.is_hull:
         return np.zeros(len(members.along), dtype=bool)
-    return _hull_distance(members) <= numbers.gap_m + SLACK_M
+    return _hull_distance(members) <= relation.gap_m + SLACK_M
 
 
-def _far_from(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+def _far_from(relation: SceneRelation, items: list[CheckObject]) -> Measured:
     distance = _distance(items)
     return Measured(distance, relation.gap_m, relation.gap_m - distance <= TOLERANCE_M)
 
 
-def _far_from_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
-    return _hull_distance(members) >= numbers.gap_m - SLACK_M
+def _far_from_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
+    return _hull_distance(members) >= relation.gap_m - SLACK_M
 
 
-def _aligned(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+def _aligned(relation: SceneRelation, items: list[CheckObject]) -> Measured:
     across = np.array([-relation.direction[1], relation.direction[0]])
     offset = float(np.ptp(_origins(items) @ across))
     return Measured(offset, relation.tolerance, offset <= relation.tolerance + TOLERANCE_M)
 
 
-def _aligned_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
+def _aligned_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
     across = np.stack([-members.along[:, 1], members.along[:, 0]], axis=1)
     offsets = np.stack([np.einsum("nd,nd->n", at, across) for at in members.origins])
-    return np.ptp(offsets, axis=0) <= numbers.tolerance + SLACK_M
+    return np.ptp(offsets, axis=0) <= relation.tolerance + SLACK_M
 
 
-def _facing(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+def _facing(relation: SceneRelation, items: list[CheckObject]) -> Measured:
     origins, front = _origins(items), items[0].front
     toward = origins[1] - origins[0]
     angle = float(abs(np.arctan2(front[0] * toward[1] - front[1] * toward[0], front @ toward)))
@@ -135,15 +128,15 @@ def _facing(relation: CheckRelation, items: list[CheckObject]) -> Measured:
     return Measured(angle, relation.tolerance, has_direction and angle <= relation.tolerance + TOLERANCE_M, "rad")
 
 
-def _facing_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
+def _facing_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
     front, toward = members.front_of(0), members.origins[1] - members.origins[0]
     cross = front[:, 0] * toward[:, 1] - front[:, 1] * toward[:, 0]
     angle = np.abs(np.arctan2(cross, np.einsum("nd,nd->n", front, toward)))
     has_direction = np.minimum(np.hypot(*toward.T), np.hypot(*front.T)) > LEAST_LINE_M
-    return has_direction & (angle <= numbers.tolerance + SLACK_M)
+    return has_direction & (angle <= relation.tolerance + SLACK_M)
 
 
-def _between(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+def _between(relation: SceneRelation, items: list[CheckObject]) -> Measured:
     origins = _origins(items)
     line = origins[2] - origins[1]
     length = float(np.hypot(*line))
@@ -156,24 +149,24 @@ def _between(relation: CheckRelation, items: list[CheckObject]) -> Measured:
     return Measured(max(beyond, beside), relation.tolerance, inside)
 
 
-def _between_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
+def _between_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
     origins = members.origins
     line, step = origins[2] - origins[1], origins[0] - origins[1]
     length = np.hypot(*line.T)
     safe = np.where(length > LEAST_LINE_M, length, 1.0)
     past = np.einsum("nd,nd->n", step, line) / safe
     beside = np.abs(step[:, 0] * line[:, 1] - step[:, 1] * line[:, 0]) / safe
-    inside = (past >= -SLACK_M) & (past <= length + SLACK_M) & (beside <= numbers.tolerance + SLACK_M)
+    inside = (past >= -SLACK_M) & (past <= length + SLACK_M) & (beside <= relation.tolerance + SLACK_M)
     return inside & (length > LEAST_LINE_M)
 
 
-def _above(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+def _above(relation: SceneRelation, items: list[CheckObject]) -> Measured:
     rise = items[0].low_m - items[1].high_m
     return Measured(rise, relation.gap_m, rise >= relation.gap_m - TOLERANCE_M)
 
 
-def _above_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
-    return members.low_m[0] - members.high_m[1] >= numbers.gap_m - SLACK_M
+def _above_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
+    return members.low_m[0] - members.high_m[1] >= relation.gap_m - SLACK_M
 
 
 def _angles_between(centre: FloatArray, others: FloatArray) -> FloatArray:
@@ -184,7 +177,7 @@ def _angles_between(centre: FloatArray, others: FloatArray) -> FloatArray:
     return np.concatenate([np.diff(headings, axis=-1), last], axis=-1)
 
 
-def _surrounding(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+def _surrounding(relation: SceneRelation, items: list[CheckObject]) -> Measured:
     least, most = relation.angle_rad or (0.0, 2.0 * np.pi)
     origins = _origins(items)
     angles = _angles_between(origins[0], origins[1:])
@@ -195,15 +188,15 @@ def _surrounding(relation: CheckRelation, items: list[CheckObject]) -> Measured:
     return Measured(value, bound, holds, "rad")
 
 
-def _surrounding_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
-    least, most = numbers.angle_rad or (0.0, 2.0 * np.pi)
+def _surrounding_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
+    least, most = relation.angle_rad or (0.0, 2.0 * np.pi)
     centre, others = members.origins[0], np.stack(members.origins[1:], axis=1)
     angles = _angles_between(centre, others)
     has_directions = np.hypot(*np.moveaxis(others - centre[:, None], -1, 0)).min(axis=1) > LEAST_LINE_M
     return has_directions & (angles.min(axis=1) >= least - SLACK_M) & (angles.max(axis=1) <= most + SLACK_M)
 
 
-def _in_line(relation: CheckRelation, items: list[CheckObject]) -> Measured:
+def _in_line(relation: SceneRelation, items: list[CheckObject]) -> Measured:
     along = np.asarray(relation.direction)
     origins, across = _origins(items), np.array([-along[1], along[0]])
     aside, steps = float(np.ptp(origins @ across)), np.diff(origins @ along)
@@ -215,13 +208,13 @@ def _in_line(relation: CheckRelation, items: list[CheckObject]) -> Measured:
     return Measured(aside, relation.tolerance, aside <= relation.tolerance + TOLERANCE_M)
 
 
-def _in_line_proven(numbers: RelationNumbers, members: BatchMembers) -> BoolArray:
+def _in_line_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
     across = np.stack([-members.along[:, 1], members.along[:, 0]], axis=1)
     aside = np.stack([np.einsum("nd,nd->n", at, across) for at in members.origins])
     along = np.stack([np.einsum("nd,nd->n", at, members.along) for at in members.origins])
     steps = along[1:] - along[:-1]
-    off = np.abs(steps - numbers.gap_m) - numbers.tolerance if numbers.gap_m > 0.0 else -steps
-    return (np.ptp(aside, axis=0) <= numbers.tolerance + SLACK_M) & (off <= SLACK_M).all(axis=0)
+    off = np.abs(steps - relation.gap_m) - relation.tolerance if relation.gap_m > 0.0 else -steps
+    return (np.ptp(aside, axis=0) <= relation.tolerance + SLACK_M) & (off <= SLACK_M).all(axis=0)
 
 
 PREDICATES = {

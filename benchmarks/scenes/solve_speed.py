@@ -30,8 +30,7 @@ from scenec.solve import ComponentCache, solve
 from scenec.solve.model import model_of
 from scenec.solve.search import SearchBudget, search
 from schemas.scene.compiled import CompileReport
-from schemas.scene.geometry import Domain, ScenePlace
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, Domain, ScenePlace
 
 BASELINES = {"circles (robosuite rule)": circles, "oriented boxes": oriented_boxes, "python shelf and swaps": shelves}
 

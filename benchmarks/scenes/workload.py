@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from shapely import box
 
-from scenec.ir.problem import Body, Problem, RelationIR, Thing
-from schemas.scene.geometry import Domain, Prism, ScenePlace, Stance
-from schemas.scene.program import BACKGROUND
+from scenec.ir.problem import Body, Problem, Thing
+from schemas.scene.geometry import BACKGROUND, Domain, Prism, ScenePlace, SceneRelation, Stance
 
 TABLE_M = (1.2, 0.8)
 CLEARANCE_M = 0.01
@@ -65,7 +64,7 @@ def workload(n: int, seed: int, *, cycle: bool = False) -> Problem:
         for i in range(n)
     )
     relations = tuple(
-        RelationIR("before", (f"box{a}", f"box{b}"), path=("relations", k), word="left_of")
+        SceneRelation("before", (f"box{a}", f"box{b}"), path=("relations", k), word="left_of")
         for k, (a, b) in enumerate(pairs)
     )
     return Problem("workload", None, np.eye(4), things, relations, CLEARANCE_M)

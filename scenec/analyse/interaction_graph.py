@@ -17,7 +17,7 @@ from scenec.ir.problem import Path, Problem
 from scenec.relations.table import RELATIONS
 from scenec.solve.coupling import components_of, overlapping
 from scenec.solve.model import model_of
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 
 EdgeKind = Literal["support", "containment", "overlap", "relation", "group"]
 STYLE: dict[EdgeKind, str] = {

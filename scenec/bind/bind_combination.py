@@ -17,14 +17,13 @@ from scenec.bind.choice_spans import candidate_path
 from scenec.bind.variants import AS_WRITTEN, ASSETS, Choice
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.names import Names, anchor_named, kind_of
-from scenec.ir.problem import Body, Path, Problem, RelationIR, Thing, is_round, level_share
+from scenec.ir.problem import Body, Path, Problem, Thing, is_round, level_share
 from scenec.ir.single_assets import SingleAsset
 from scenec.source.tree import Spans
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Label, any_error, finding
-from schemas.scene.geometry import Domain, FixedPose, KeepOutVolume, ReachRing, ScenePlace
+from schemas.scene.geometry import BACKGROUND, Domain, FixedPose, KeepOutVolume, ReachRing, ScenePlace, SceneRelation
 from schemas.scene.program import (
-    BACKGROUND,
     Background,
     DiscretePlacement,
     FixedAsset,
@@ -72,7 +71,7 @@ class Lowering:
         nodes = (node for node in program.layout.nodes if node in self.nodes)
         things = {thing.name: thing for node in nodes for thing in self._things(node)}
         background_yaw = _yaw(background) if background is not None else 0.0
-        relations: tuple[RelationIR, ...] = ()
+        relations: tuple[SceneRelation, ...] = ()
         if not any_error(self.diagnostics):
             relations, wrong = lower_relations(self.names, things, background_yaw, self.spans)
             self.diagnostics += wrong
@@ -277,7 +276,7 @@ class Lowering:
         return ReachRing(np.array(reach.base), reach.min_radius, reach.radius, members, ("reach",)) if members else None
 
 
-def _itself(rule: RelationIR) -> RelationIR:
+def _itself(rule: SceneRelation) -> SceneRelation:
     return rule
 
 

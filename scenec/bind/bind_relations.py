@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenec.ir.names import WORLD, Names
-from scenec.ir.problem import Path, RelationIR, Thing
+from scenec.ir.problem import Path, Thing
 from scenec.relations.table import RELATIONS
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, SceneRelation
 from schemas.scene.relations import Relation
 
 MAX_RELATIONS = 50_000
@@ -20,9 +20,9 @@ MAX_RELATIONS = 50_000
 
 def lower_relations(
     names: Names, things: Mapping[str, Thing], background_yaw_rad: float, spans: Spans
-) -> tuple[tuple[RelationIR, ...], tuple[Diagnostic, ...]]:
+) -> tuple[tuple[SceneRelation, ...], tuple[Diagnostic, ...]]:
     """All relations of a program between these things, and findings (`scene/frame-needed`, `scene/too-many`)."""
-    relations: list[RelationIR] = []
+    relations: list[SceneRelation] = []
     diagnostics: list[Diagnostic] = []
     for i, relation in enumerate(names.program.relations):
         path: Path = ("relations", i)
@@ -42,7 +42,7 @@ def lower_relations(
 
 def _lowered(
     names: Names, relation: Relation, things: Mapping[str, Thing], background_yaw_rad: float, path: Path
-) -> Iterator[RelationIR]:
+) -> Iterator[SceneRelation]:
     (row,) = relation.words
     sides = [names.things_named(name) for name in relation.members(row)]
     if not all(thing in things for side in sides for thing in side):  # of another component

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from scenec.ir.problem import Problem
 from scenec.solve.coupling import boxes_may_meet, footprint_bounds, heights
 from scenec.solve.model import SolverModel, model_of
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 
 
 def independent_components(problems: Sequence[Problem]) -> tuple[tuple[str, ...], ...]:

@@ -17,8 +17,7 @@ from scenec.check.judge_scene import violations
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import Body, Placement, Problem, Thing
 from schemas.scene.compiled import CompiledScene
-from schemas.scene.geometry import ScenePlace, Stance
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, ScenePlace, Stance
 
 UNIT = 1e-6  # how far the norm of a quaternion may be from 1
 

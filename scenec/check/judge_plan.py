@@ -8,8 +8,7 @@ from scene_check.batch import BatchPoses, SceneRules
 from scene_check.check_batch import check_batch
 from scene_check.from_plan import scene_rules
 from schemas.arrays import FloatArray
-from schemas.scene.geometry import Stance
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, Stance
 from schemas.scene.runtime_plan import PlanCombination, PlanPool, RuntimePlan
 
 EACH = 4  # scenes in which a case appears at least

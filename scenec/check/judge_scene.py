@@ -6,14 +6,11 @@ from __future__ import annotations
 import math
 from functools import partial
 
-import numpy as np
-
-from geom.planar import turned
-from scene_check import CheckObject, CheckRelation, CheckScene, Violation, check
-from scene_check.batch import object_in_world, place_in_world
+from scene_check import CheckObject, CheckScene, Violation, check
+from scene_check.batch import object_in_world, place_in_world, relation_in_world
 from scenec.emit.scene import world_frames
 from scenec.ir.derivation_cache import DerivationCache
-from scenec.ir.problem import Placement, Problem, RelationIR, Thing
+from scenec.ir.problem import Placement, Problem, Thing
 from schemas.arrays import FloatArray
 
 LevelPose = tuple[FloatArray, float]  # origin (3,) in W and yaw: supports are level
@@ -65,7 +62,10 @@ def check_scene(
     )
     relations = tuple(
         derivations.get(
-            ("relation", problem.key, k), partial(_relation, relation, poses), relation, frames[relation.frame]
+            ("relation", problem.key, k),
+            partial(relation_in_world, relation, poses[relation.frame][1]),
+            relation,
+            frames[relation.frame],
         )
         for k, relation in enumerate(problem.relations)
     )
@@ -82,15 +82,3 @@ def world_poses(problem: Problem, placements: dict[str, Placement]) -> dict[str,
 
 def _level(X_WU: FloatArray) -> LevelPose:
     return X_WU[:3, 3], math.atan2(X_WU[1, 0], X_WU[0, 0])
-
-
-def _relation(relation: RelationIR, poses: dict[str, LevelPose]) -> CheckRelation:
-    return CheckRelation(
-        kind=relation.kind,
-        objects=relation.things,
-        direction=turned(np.array([relation.direction]), poses[relation.frame][1])[0],
-        gap_m=relation.gap_m,
-        tolerance=relation.tolerance,
-        label=relation.word or relation.kind,
-        angle_rad=relation.angle_rad,
-    )

@@ -13,8 +13,8 @@ from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import Body, Placement, Problem, Thing
 from schemas.arrays import FloatArray
 from schemas.scene.compiled import CompiledScene, PlacedObject
-from schemas.scene.geometry import Prism, Stance, rounded_value
-from schemas.scene.program import BACKGROUND, BoxAsset, CylinderAsset, Inline, SphereAsset
+from schemas.scene.geometry import BACKGROUND, Prism, Stance, rounded_value
+from schemas.scene.program import BoxAsset, CylinderAsset, Inline, SphereAsset
 
 _NO_PART = 1e-12  # of a unit quaternion: rounding
 

@@ -14,15 +14,14 @@ from itertools import islice
 import numpy as np
 
 from scenec.explain.minimal_conflict import Conflict, Feasible
-from scenec.ir.problem import Path, Problem, RelationIR, Solved, Thing
+from scenec.ir.problem import Path, Problem, Solved, Thing
 from scenec.ir.relaxed import CLEARANCE, relaxed
 from scenec.proofs import prove_cheaply
 from scenec.relations.protocol import SUGGESTION_STEP_M, WIDEST_M, WeakerNumber
 from scenec.relations.table import RELATIONS
 from scenec.source.tree import written
 from schemas.scene.compiled import Suggestion
-from schemas.scene.geometry import Domain, ScenePlace
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, Domain, ScenePlace, SceneRelation
 
 MOST_SUGGESTIONS = 5
 MOST_SOLVES = 80
@@ -108,7 +107,7 @@ def _lower_clearance(problem: Problem, oracle: FeasibilityOracle) -> Iterator[Pr
         yield ProgramEdit(f"lower clearance to {value:.4g}", partial(at, value), 1.0 - value / problem.clearance_m)
 
 
-def _relax_relation(problem: Problem, relation: RelationIR, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
+def _relax_relation(problem: Problem, relation: SceneRelation, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
     """A changed gap, distance or tolerance of a relation."""
     for number in RELATIONS[relation.kind].weaker(relation):
         at = partial(_with_number, relation, number)
@@ -119,7 +118,7 @@ def _relax_relation(problem: Problem, relation: RelationIR, oracle: FeasibilityO
             yield ProgramEdit(text, partial(at, value), cost)
 
 
-def _with_number(relation: RelationIR, number: WeakerNumber, value: float, problem: Problem) -> Problem:
+def _with_number(relation: SceneRelation, number: WeakerNumber, value: float, problem: Problem) -> Problem:
     """The problem with another number in all relations that were lowered from the same written one to this kind."""
     changed = [
         number.changed(r, value) if (r.path, r.kind) == (relation.path, relation.kind) else r for r in problem.relations

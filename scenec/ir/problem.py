@@ -11,9 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from schemas.arrays import FloatArray
-from schemas.scene.geometry import Domain, KeepOutVolume, ReachRing, ScenePlace, Stance
-from schemas.scene.program import BACKGROUND
-from schemas.scene.relations import WORD
+from schemas.scene.geometry import Domain, KeepOutVolume, ReachRing, ScenePlace, SceneRelation, Stance
 
 Path = tuple[str | int, ...]
 LEVEL_SHARE = 0.25  # of a floor that things stand on
@@ -62,31 +60,6 @@ class Thing:
 
 
 @dataclass(frozen=True)
-class RelationIR:
-    """A relation between things; what its numbers mean is in `scenec.relations`, in the file of its `kind`.
-
-    `direction` is a unit vector (2,) in the frame of `frame`, which is BACKGROUND or a thing. `word` is the one that
-    was written, where it was, and `key` where its number is written, if not in the key that is usual for its kind.
-    """
-
-    kind: str
-    things: tuple[str, ...]
-    direction: tuple[float, float] = (1.0, 0.0)
-    gap_m: float = 0.0
-    tolerance: float = 0.0
-    frame: str = BACKGROUND
-    path: Path = ()
-    word: str = ""
-    angle_rad: tuple[float, float] | None = None
-    key: str = ""
-
-    @property
-    def as_written(self) -> tuple[str, ...]:
-        """The things in authored order."""
-        return self.things[::-1] if self.word in WORD and WORD[self.word].reverse else self.things
-
-
-@dataclass(frozen=True)
 class Problem:
     """One combination, ready to analyse and solve."""
 
@@ -94,7 +67,7 @@ class Problem:
     background: Body | None
     X_WB: FloatArray  # (4, 4) background in the world
     things: tuple[Thing, ...]
-    relations: tuple[RelationIR, ...]
+    relations: tuple[SceneRelation, ...]
     clearance_m: float
     keep_outs: tuple[KeepOutVolume, ...] = ()
     reach: ReachRing | None = None

@@ -17,8 +17,7 @@ from scenec.ir.problem import Placement, Problem, Thing
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations
 from schemas.arrays import FloatArray
-from schemas.scene.geometry import Prism, ScenePlace, Stance
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, Prism, ScenePlace, Stance
 
 _MOST_NAMES = 24
 

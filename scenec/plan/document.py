@@ -18,11 +18,12 @@ from schemas.scene.plan_geometry import (
     written_keep_out,
     written_place,
     written_reach,
+    written_relation,
     written_stance,
     written_thing,
 )
 from schemas.scene.program import PairedMaterial, SceneProgram
-from schemas.scene.runtime_plan import PlanBody, PlanCombination, PlanPool, PlanProvenance, PlanRelation, RuntimePlan
+from schemas.scene.runtime_plan import PlanBody, PlanCombination, PlanPool, PlanProvenance, RuntimePlan
 
 _MARK = "\x01"  # occurs in no name
 
@@ -118,19 +119,7 @@ def _combination(
             for thing in things
         ),
         pools=pools,
-        relations=tuple(
-            PlanRelation(
-                kind=rule.kind,
-                things=rule.things,
-                direction=rule.direction,
-                gap_m=rule.gap_m,
-                tolerance=rule.tolerance,
-                angle_rad=rule.angle_rad,
-                frame=rule.frame,
-                word=rule.word,
-            )
-            for rule in problem.relations
-        ),
+        relations=tuple(map(written_relation, problem.relations)),
         keep_outs=tuple(written_keep_out(rule, number[rule.parent, rule.place.name]) for rule in problem.keep_outs),
         reach=None if problem.reach is None else written_reach(problem.reach),
         materials=tuple(material.id for material in program.variants.materials),

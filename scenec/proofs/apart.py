@@ -12,11 +12,12 @@ import networkx as nx
 import numpy as np
 from scipy.spatial.distance import pdist
 
-from scenec.ir.problem import Problem, Proof, RelationIR, Thing
+from scenec.ir.problem import Problem, Proof, Thing
 from scenec.proofs.outlines import OUTLINE_SLACK_M, hull, resting_orientations
 from scenec.proofs.places import area_hull
 from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import SceneRelation
 
 
 def near_and_far(problem: Problem) -> Proof | None:
@@ -37,7 +38,7 @@ def near_and_far(problem: Problem) -> Proof | None:
     return None
 
 
-def _by_chain(relation: RelationIR, least_m: float, graph: nx.Graph, by_name: dict[str, Thing]) -> Proof | None:
+def _by_chain(relation: SceneRelation, least_m: float, graph: nx.Graph, by_name: dict[str, Thing]) -> Proof | None:
     one, two = relation.things[:2]
     if one not in graph or two not in graph or not nx.has_path(graph, one, two):
         return None
@@ -57,7 +58,7 @@ def _by_chain(relation: RelationIR, least_m: float, graph: nx.Graph, by_name: di
     return Proof("empty-domain", text, least_m, most, "m", paths)
 
 
-def _by_place(relation: RelationIR, least_m: float, by_name: dict[str, Thing]) -> Proof | None:
+def _by_place(relation: SceneRelation, least_m: float, by_name: dict[str, Thing]) -> Proof | None:
     one, two = (by_name[name] for name in relation.things[:2])
     if (one.parent, one.place.name) != (two.parent, two.place.name) or one.domain.fixed_poses or two.domain.fixed_poses:
         return None

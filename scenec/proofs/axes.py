@@ -13,13 +13,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from geom.planar import turned
-from scenec.ir.problem import Path, Problem, Proof, RelationIR, Thing
+from scenec.ir.problem import Path, Problem, Proof, Thing
 from scenec.proofs.constraints import BEGIN, END, ORIGIN
 from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, hull, least_width, resting_orientations, support_bounds
 from scenec.proofs.places import area_hull, background_yaw
 from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, SceneRelation
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _fixed(frame: str, yaw_range_of: dict[str, YawCell]) -> float | None:
     return low if high - low < 1e-9 else None
 
 
-def _along(relation: RelationIR, yaw_range_of: dict[str, YawCell]) -> FloatArray | None:
+def _along(relation: SceneRelation, yaw_range_of: dict[str, YawCell]) -> FloatArray | None:
     """The direction of a relation in the frame of the root, None where it is not fixed."""
     turn = _fixed(relation.frame, yaw_range_of)
     return None if turn is None else turned(np.array([relation.direction]), turn)[0]
@@ -201,7 +201,7 @@ def _place_differences(
 
 def _relation_differences(
     system: DifferenceConstraints,
-    relation: RelationIR,
+    relation: SceneRelation,
     node: dict[str, int],
     yaw_range_of: dict[str, YawCell],
     d: FloatArray,

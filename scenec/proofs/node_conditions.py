@@ -17,13 +17,13 @@ import shapely
 from shapely import Polygon
 
 from geom.planar import turned
-from scenec.ir.problem import Problem, RelationIR, Thing
+from scenec.ir.problem import Problem, Thing
 from scenec.proofs.constraints import LinearConstraint, NodePose
 from scenec.proofs.outlines import OUTLINE_SLACK_M, TURN, half_planes, kernel
 from scenec.proofs.places import forbidden, linear_bounds, minkowski, ring_of
 from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray
-from schemas.scene.geometry import Stance
+from schemas.scene.geometry import SceneRelation, Stance
 
 DISC_SIDES = 8
 FAR_M = 1e3
@@ -85,7 +85,7 @@ class NodeConditions:
             rows += self._relation_rows(node, relation)
         return rows
 
-    def _relation_rows(self, node: BranchNode, relation: RelationIR) -> list[LinearConstraint]:
+    def _relation_rows(self, node: BranchNode, relation: SceneRelation) -> list[LinearConstraint]:
         at = [self.index[name] for name in relation.things]
         turn = self._frame(node, relation.frame)
         along = None if turn is None else turned(np.array([relation.direction]), turn)[0]

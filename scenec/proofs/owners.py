@@ -5,7 +5,7 @@ from __future__ import annotations
 import networkx as nx
 
 from scenec.ir.problem import Problem, Proof
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 
 
 def no_first_owner(problem: Problem) -> Proof | None:

@@ -17,8 +17,7 @@ from geom.planar import turned
 from scenec.ir.problem import Problem, Thing
 from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, half_planes, hull, kernel, support_bounds
 from schemas.arrays import FloatArray
-from schemas.scene.geometry import ScenePlace, Stance
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, ScenePlace, Stance
 
 RING_SIDES = 24
 LEAST_AREA_M2 = 1e-8

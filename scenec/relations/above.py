@@ -13,7 +13,7 @@ import numpy as np
 from shapely.geometry.base import BaseGeometry
 from typing_extensions import override
 
-from scenec.ir.problem import Problem, Proof, RelationIR, Thing
+from scenec.ir.problem import Problem, Proof, Thing
 from scenec.plan.cases.motions import Motions
 from scenec.proofs.outlines import OUTLINE_SLACK_M
 from scenec.relations.protocol import Assignment, Batch, Frames, Mover, RelationMeaning, WeakerNumber, with_gap
@@ -21,7 +21,7 @@ from scenec.solve import measures
 from scenec.solve.measures import SLACK
 from scenec.solve.region_geometry import NOWHERE
 from schemas.arrays import BoolArray, FloatArray
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, SceneRelation
 from schemas.scene.relations import Relation, RelationWord
 
 Span = tuple[float, float]  # least and largest
@@ -40,20 +40,20 @@ class Above(RelationMeaning):
     @override
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[RelationIR]:
+    ) -> Iterator[SceneRelation]:
         for chosen in product(*sides):
             things = chosen[::-1] if word.reverse else chosen
-            yield RelationIR("above", things, gap_m=written.gap, path=frames.path, word=word.word)
+            yield SceneRelation("above", things, gap_m=written.gap, path=frames.path, word=word.word)
             if written.overlap:
-                yield RelationIR("near", things, gap_m=0.0, path=frames.path, word=word.word)
+                yield SceneRelation("near", things, gap_m=0.0, path=frames.path, word=word.word)
 
     @override
-    def excess(self, rule: RelationIR, assignment: Assignment) -> float:
+    def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
         (low, _), (_, high) = (measures.heights_B(assignment[name], assignment) for name in rule.things)
         return high + rule.gap_m - low
 
     @override
-    def region(self, rule: RelationIR, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
+    def region(self, rule: SceneRelation, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
         """Everywhere or nowhere: the height of a thing does not depend on where it lies."""
         floor, shape = mover.owner.z_m + mover.base_P_m, mover.turned.shape
         low, high = floor + shape.own_low_m, floor + shape.own_high_m
@@ -64,29 +64,29 @@ class Above(RelationMeaning):
         return None if high + rule.gap_m - low <= SLACK else NOWHERE
 
     @override
-    def placed_last(self, rule: RelationIR) -> tuple[str, ...]:
+    def placed_last(self, rule: SceneRelation) -> tuple[str, ...]:
         return rule.things[:1]
 
     @override
-    def may_hold(self, rule: RelationIR, batch: Batch) -> BoolArray:
+    def may_hold(self, rule: SceneRelation, batch: Batch) -> BoolArray:
         (low, _), (_, high) = batch.heights_m
         return low - high >= rule.gap_m - SLACK
 
     @override
-    def kept_by_rectangles(self, rule: RelationIR) -> bool:
+    def kept_by_rectangles(self, rule: SceneRelation) -> bool:
         return True
 
     @override
-    def value(self, rule: RelationIR, motions: Motions) -> FloatArray:
+    def value(self, rule: SceneRelation, motions: Motions) -> FloatArray:
         """The rise from the highest point of the second to the lowest of the first."""
         return motions.members[0].low_m - motions.members[1].high_m
 
     @override
-    def holds_throughout(self, rule: RelationIR, motions: Motions, value: FloatArray) -> BoolArray:
+    def holds_throughout(self, rule: SceneRelation, motions: Motions, value: FloatArray) -> BoolArray:
         return value >= rule.gap_m - SLACK
 
     @override
-    def refuted(self, rule: RelationIR, problem: Problem) -> Proof | None:
+    def refuted(self, rule: SceneRelation, problem: Problem) -> Proof | None:
         """Places and orientations bound both heights over the innermost owner that carries both."""
         by_name = {thing.name: thing for thing in problem.things}
         above, below = (_owners(name, by_name) for name in rule.things)
@@ -102,7 +102,7 @@ class Above(RelationMeaning):
         return Proof("empty-domain", text, rule.gap_m, most - least, "m", (rule.path, one.path, two.path))
 
     @override
-    def weaker(self, rule: RelationIR) -> Iterator[WeakerNumber]:
+    def weaker(self, rule: SceneRelation) -> Iterator[WeakerNumber]:
         if rule.gap_m > 0.0:
             yield WeakerNumber("gap", rule.gap_m, 0.0, with_gap)
 
@@ -120,7 +120,9 @@ def _heights(name: str, by_name: dict[str, Thing], base: str) -> tuple[Span, Spa
     """Spans of the lowest and of the highest z of a thing over the origin of a base that carries it or is it."""
     floors = _floors(by_name[name], by_name, base)
     prisms = [stance.prisms for stance in by_name[name].body.resting_orientations]
-    lows = [(span[0] + min(s.low_m for s in prisms[k]), span[1] + min(s.low_m for s in prisms[k])) for k, span in floors]
+    lows = [
+        (span[0] + min(s.low_m for s in prisms[k]), span[1] + min(s.low_m for s in prisms[k])) for k, span in floors
+    ]
     highs = [
         (span[0] + max(s.high_m for s in prisms[k]), span[1] + max(s.high_m for s in prisms[k])) for k, span in floors
     ]

@@ -12,7 +12,6 @@ import numpy as np
 from shapely import Polygon
 from typing_extensions import override
 
-from scenec.ir.problem import RelationIR
 from scenec.plan.cases.motions import Motions, sway
 from scenec.plan.cases.rectangles import AxisOrder, axis_of, extent
 from scenec.proofs.constraints import BEGIN, END, Difference, LinearConstraint, NodePose
@@ -32,6 +31,7 @@ from scenec.solve.frames import turned_direction
 from scenec.solve.measures import SLACK
 from scenec.solve.region_geometry import half_plane
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import SceneRelation
 from schemas.scene.relations import Relation, RelationWord
 
 # By viewpoint: the unit vectors to the right and away from the viewer, in x and y of the frame.
@@ -67,21 +67,21 @@ class Before(RelationMeaning):
     @override
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[RelationIR]:
+    ) -> Iterator[SceneRelation]:
         for chosen in product(*sides):
             frame, direction = frames.along(_AXIS[word.word][written.viewpoint], chosen)
             things = chosen[::-1] if word.reverse else chosen
-            yield RelationIR("before", things, direction, written.gap, frame=frame, path=frames.path, word=word.word)
+            yield SceneRelation("before", things, direction, written.gap, frame=frame, path=frames.path, word=word.word)
 
     @override
-    def excess(self, rule: RelationIR, assignment: Assignment) -> float:
+    def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
         direction = measures.direction_B(rule, assignment)
         _, end = measures.extent(assignment[rule.things[0]], direction, assignment)
         begin, _ = measures.extent(assignment[rule.things[1]], direction, assignment)
         return end + rule.gap_m - begin
 
     @override
-    def region(self, rule: RelationIR, mover: Mover, assignment: Assignment) -> Polygon:
+    def region(self, rule: SceneRelation, mover: Mover, assignment: Assignment) -> Polygon:
         first, second = rule.things
         dx, dy = measures.direction_B(rule, assignment)
         px, py = turned_direction((dx, dy), -mover.owner.yaw_rad)
@@ -93,18 +93,18 @@ class Before(RelationMeaning):
         return half_plane(-px, -py, -(end + rule.gap_m - start - float(along.min())), mover.around)
 
     @override
-    def may_hold(self, rule: RelationIR, batch: Batch) -> BoolArray:
+    def may_hold(self, rule: SceneRelation, batch: Batch) -> BoolArray:
         """Rectangles in this order imply it for footprints."""
         end = extent(batch.rects_m[0], rule.direction)[1]
         begin = extent(batch.rects_m[1], rule.direction)[0]
         return end + rule.gap_m <= begin + SLACK
 
     @override
-    def kept_by_rectangles(self, rule: RelationIR) -> bool:
+    def kept_by_rectangles(self, rule: SceneRelation) -> bool:
         return axis_of(rule.direction) is not None
 
     @override
-    def axis_order(self, rule: RelationIR) -> AxisOrder | None:
+    def axis_order(self, rule: SceneRelation) -> AxisOrder | None:
         """Against an axis the members are reversed."""
         axis = axis_of(rule.direction)
         if axis is None:
@@ -113,28 +113,28 @@ class Before(RelationMeaning):
         return AxisOrder(first, second, axis, rule.gap_m)
 
     @override
-    def turns_matter(self, rule: RelationIR, member: int, uneven: bool) -> bool:
+    def turns_matter(self, rule: SceneRelation, member: int, uneven: bool) -> bool:
         return uneven
 
     @override
-    def value(self, rule: RelationIR, motions: Motions) -> FloatArray:
+    def value(self, rule: SceneRelation, motions: Motions) -> FloatArray:
         """The gap before the second begins."""
         ends = [one.hull_along(rule.direction) for one in motions.members]
         return ends[1].min(axis=1) - ends[0].max(axis=1)
 
     @override
-    def holds_throughout(self, rule: RelationIR, motions: Motions, value: FloatArray) -> BoolArray:
+    def holds_throughout(self, rule: SceneRelation, motions: Motions, value: FloatArray) -> BoolArray:
         one, two = motions.members
         moved = one.outline_m + two.outline_m + motions.rounding_m
         span = np.hypot(*(two.at_m - one.at_m).T) + sum(m.radius_m + m.outline_m for m in motions.members)
         return value - (moved + sway(motions.axes_turn_rad) * span) >= rule.gap_m
 
     @override
-    def difference_axes(self, rule: RelationIR, along: FloatArray) -> tuple[FloatArray, ...]:
+    def difference_axes(self, rule: SceneRelation, along: FloatArray) -> tuple[FloatArray, ...]:
         return (along,)
 
     @override
-    def differences(self, rule: RelationIR, along: FloatArray | None, axis: FloatArray) -> Iterator[Difference]:
+    def differences(self, rule: SceneRelation, along: FloatArray | None, axis: FloatArray) -> Iterator[Difference]:
         if along is None or not along_axis(cosine := float(along @ axis)):
             return
         first, second = (0, 1) if cosine > 0.0 else (1, 0)
@@ -142,7 +142,7 @@ class Before(RelationMeaning):
 
     @override
     def linear_rows(
-        self, rule: RelationIR, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
+        self, rule: SceneRelation, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
     ) -> Iterator[LinearConstraint]:
         if along is None:
             return
@@ -152,7 +152,7 @@ class Before(RelationMeaning):
         yield LinearConstraint(at[0], at[1], (-along[0], -along[1]), bound)
 
     @override
-    def weaker(self, rule: RelationIR) -> Iterator[WeakerNumber]:
+    def weaker(self, rule: SceneRelation) -> Iterator[WeakerNumber]:
         if rule.gap_m > 0.0:
             yield WeakerNumber("gap", rule.gap_m, 0.0, with_gap)
 

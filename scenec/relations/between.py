@@ -10,7 +10,6 @@ import numpy as np
 from shapely.geometry.base import BaseGeometry
 from typing_extensions import override
 
-from scenec.ir.problem import RelationIR
 from scenec.plan.cases.motions import Motions
 from scenec.proofs.constraints import LinearConstraint
 from scenec.proofs.outlines import OUTLINE_SLACK_M
@@ -28,6 +27,7 @@ from scenec.solve import measures
 from scenec.solve.measures import SLACK
 from scenec.solve.region_geometry import beside
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import SceneRelation
 from schemas.scene.relations import Relation, RelationWord
 
 BETWEEN_M = 0.02  # where no tolerance is written
@@ -42,13 +42,13 @@ class Between(RelationMeaning):
     @override
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[RelationIR]:
+    ) -> Iterator[SceneRelation]:
         tolerance = BETWEEN_M if written.tolerance is None else written.tolerance
         for chosen in product(*sides):
-            yield RelationIR("between", chosen, tolerance=tolerance, path=frames.path, word=word.word)
+            yield SceneRelation("between", chosen, tolerance=tolerance, path=frames.path, word=word.word)
 
     @override
-    def excess(self, rule: RelationIR, assignment: Assignment) -> float:
+    def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
         (px, py), (ax, ay), (bx, by) = measures.origins_B(rule.things, assignment)
         length = max(hypot(bx - ax, by - ay), 1e-12)
         ux, uy = (bx - ax) / length, (by - ay) / length
@@ -56,18 +56,18 @@ class Between(RelationMeaning):
         return max(-along, along - length, aside - rule.tolerance)
 
     @override
-    def region(self, rule: RelationIR, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
+    def region(self, rule: SceneRelation, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
         if rule.things[0] != mover.name:
             return None
         one, two = measures.mates_P(rule, mover.name, mover.owner, assignment)
         return beside(one, two, rule.tolerance)
 
     @override
-    def placed_last(self, rule: RelationIR) -> tuple[str, ...]:
+    def placed_last(self, rule: SceneRelation) -> tuple[str, ...]:
         return rule.things[:1]
 
     @override
-    def may_hold(self, rule: RelationIR, batch: Batch) -> BoolArray:
+    def may_hold(self, rule: SceneRelation, batch: Batch) -> BoolArray:
         one, two, three = batch.origins_m
         line, step = three - two, one - two
         length = np.maximum(np.hypot(line[..., 0], line[..., 1]), 1e-6)
@@ -76,7 +76,7 @@ class Between(RelationMeaning):
         return (along >= 0.0) & (along <= length) & (aside <= rule.tolerance + SLACK)
 
     @override
-    def holds_throughout(self, rule: RelationIR, motions: Motions, value: FloatArray) -> BoolArray:
+    def holds_throughout(self, rule: SceneRelation, motions: Motions, value: FloatArray) -> BoolArray:
         """Uses that the foot of the perpendicular keeps its share of the line, and bounds the rest by the motion of the
         ends."""
         at, shifts = motions.origins_m, motions.origin_shifts_m
@@ -91,7 +91,9 @@ class Between(RelationMeaning):
         return (aside + moved <= rule.tolerance) & (rest >= moved + aside * lean)
 
     @override
-    def disjunctions(self, rule: RelationIR, at: Sequence[int]) -> Iterator[tuple[tuple[LinearConstraint, ...], ...]]:
+    def disjunctions(
+        self, rule: SceneRelation, at: Sequence[int]
+    ) -> Iterator[tuple[tuple[LinearConstraint, ...], ...]]:
         """The first origin lies in the box of the two others, grown by the tolerance, in one of their four orders."""
         a, b, c = at
         options = []
@@ -107,7 +109,7 @@ class Between(RelationMeaning):
         yield tuple(options)
 
     @override
-    def weaker(self, rule: RelationIR) -> Iterator[WeakerNumber]:
+    def weaker(self, rule: SceneRelation) -> Iterator[WeakerNumber]:
         yield WeakerNumber("tolerance", rule.tolerance, rule.tolerance + WIDEST_M, with_tolerance)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from shapely.geometry.base import BaseGeometry
 from typing_extensions import override
 
-from scenec.ir.problem import RelationIR
 from scenec.plan.cases.motions import ROUNDING, Motions
 from scenec.plan.cases.rectangles import wrapped_all
 from scenec.proofs.constraints import LinearConstraint, NodePose
@@ -22,6 +21,7 @@ from scenec.solve.measures import SLACK
 from scenec.solve.placed import Placed
 from scenec.solve.region_geometry import wedge
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import SceneRelation
 from schemas.scene.relations import Relation, RelationWord
 
 FACING_RAD = radians(10.0)  # where no tolerance is written
@@ -39,15 +39,15 @@ class Facing(RelationMeaning):
     @override
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[RelationIR]:
+    ) -> Iterator[SceneRelation]:
         tolerance = FACING_RAD if written.tolerance is None else written.tolerance
         if written.tolerance_deg is not None:
             tolerance = float(np.radians(written.tolerance_deg))
         for chosen in product(*sides):
-            yield RelationIR("facing", chosen, tolerance=tolerance, path=frames.path, word=word.word)
+            yield SceneRelation("facing", chosen, tolerance=tolerance, path=frames.path, word=word.word)
 
     @override
-    def excess(self, rule: RelationIR, assignment: Assignment) -> float:
+    def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
         (ax, ay), (bx, by) = measures.origins_B(rule.things, assignment)
         if hypot(bx - ax, by - ay) < NEAREST_M:
             return pi
@@ -55,7 +55,7 @@ class Facing(RelationMeaning):
         return abs(measures.wrapped(atan2(by - ay, bx - ax) - front)) - rule.tolerance
 
     @override
-    def region(self, rule: RelationIR, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
+    def region(self, rule: SceneRelation, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
         if rule.tolerance > WIDEST_WEDGE_RAD:
             return None
         (point,) = measures.mates_P(rule, mover.name, mover.owner, assignment)
@@ -67,11 +67,11 @@ class Facing(RelationMeaning):
         return wedge(point, ahead + away, rule.tolerance, size)
 
     @override
-    def placed_last(self, rule: RelationIR) -> tuple[str, ...]:
+    def placed_last(self, rule: SceneRelation) -> tuple[str, ...]:
         return rule.things[:1]
 
     @override
-    def exact_yaw(self, rule: RelationIR, placed: Placed, assignment: Assignment) -> float | None:
+    def exact_yaw(self, rule: SceneRelation, placed: Placed, assignment: Assignment) -> float | None:
         if rule.things[0] != placed.name:
             return None
         (ax, ay), (bx, by) = measures.origins_B(rule.things, assignment)
@@ -79,18 +79,18 @@ class Facing(RelationMeaning):
         return atan2(by - ay, bx - ax) - owner.yaw_rad - placed.turned.shape.front_rad
 
     @override
-    def may_hold(self, rule: RelationIR, batch: Batch) -> BoolArray:
+    def may_hold(self, rule: SceneRelation, batch: Batch) -> BoolArray:
         toward = batch.origins_m[1] - batch.origins_m[0]
         heading = np.arctan2(toward[..., 1], toward[..., 0])
         away = np.abs(wrapped_all(heading - batch.fronts_rad[0]))
         return (away <= rule.tolerance + SLACK) & (np.hypot(toward[..., 0], toward[..., 1]) > NEAREST_IN_PLANS_M)
 
     @override
-    def turns_matter(self, rule: RelationIR, member: int, uneven: bool) -> bool:
+    def turns_matter(self, rule: SceneRelation, member: int, uneven: bool) -> bool:
         return member == 0
 
     @override
-    def holds_throughout(self, rule: RelationIR, motions: Motions, value: FloatArray) -> BoolArray:
+    def holds_throughout(self, rule: SceneRelation, motions: Motions, value: FloatArray) -> BoolArray:
         """By the law of sines the heading toward the second changes by at most asin(motion / distance)."""
         at, first = motions.origins_m, motions.members[0]
         toward = at[:, 1] - at[:, 0]
@@ -102,7 +102,7 @@ class Facing(RelationMeaning):
 
     @override
     def linear_rows(
-        self, rule: RelationIR, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
+        self, rule: SceneRelation, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
     ) -> Iterator[LinearConstraint]:
         """The second origin lies in the wedge swept by the front of the first, if that is narrower than pi."""
         w, x, y, z = poses[0].stance.quat_wxyz
@@ -117,7 +117,7 @@ class Facing(RelationMeaning):
             yield LinearConstraint(at[0], at[1], (float(np.cos(angle)), float(np.sin(angle))), OUTLINE_SLACK_M)
 
     @override
-    def heading_matters(self, rule: RelationIR, name: str) -> bool:
+    def heading_matters(self, rule: SceneRelation, name: str) -> bool:
         return rule.things[0] == name
 
 

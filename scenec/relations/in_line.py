@@ -13,7 +13,6 @@ import numpy as np
 from shapely.geometry.base import BaseGeometry
 from typing_extensions import override
 
-from scenec.ir.problem import RelationIR
 from scenec.plan.cases.motions import Motions, sway
 from scenec.proofs.constraints import ORIGIN, Difference, LinearConstraint, NodePose
 from scenec.proofs.outlines import OUTLINE_SLACK_M
@@ -37,6 +36,7 @@ from scenec.solve.measures import SLACK
 from scenec.solve.planar import SLACK_M
 from scenec.solve.region_geometry import NOWHERE, strip
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import SceneRelation
 from schemas.scene.relations import Relation, RelationWord
 
 IN_LINE_M = 0.01  # where no tolerance is written
@@ -60,15 +60,15 @@ class InLine(RelationMeaning):
     @override
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[RelationIR]:
+    ) -> Iterator[SceneRelation]:
         members = tuple(thing for side in sides for thing in side)
         frame, direction = frames.along(AXES[written.axis], members)
         tolerance = IN_LINE_M if written.tolerance is None else written.tolerance
         spacing = written.spacing or 0.0
-        yield RelationIR("in_line", members, direction, spacing, tolerance, frame, frames.path, word.word)
+        yield SceneRelation("in_line", members, direction, spacing, tolerance, frame, frames.path, word.word)
 
     @override
-    def excess(self, rule: RelationIR, assignment: Assignment) -> float:
+    def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
         dx, dy = measures.direction_B(rule, assignment)
         points = measures.origins_B(rule.things, assignment)
         along, across = [dx * x + dy * y for x, y in points], [-dy * x + dx * y for x, y in points]
@@ -77,7 +77,7 @@ class InLine(RelationMeaning):
         return max(max(across) - min(across) - rule.tolerance, off)
 
     @override
-    def region(self, rule: RelationIR, mover: Mover, assignment: Assignment) -> BaseGeometry:
+    def region(self, rule: SceneRelation, mover: Mover, assignment: Assignment) -> BaseGeometry:
         mates = _mates(rule, mover, assignment)
         px, py = turned_direction(measures.direction_B(rule, assignment), -mover.owner.yaw_rad)
         number = rule.things.index(mover.name)
@@ -95,7 +95,7 @@ class InLine(RelationMeaning):
         return strip(px, py, begin, end, mover.around).intersection(strip(-py, px, low, high, mover.around))
 
     @override
-    def may_hold(self, rule: RelationIR, batch: Batch) -> BoolArray:
+    def may_hold(self, rule: SceneRelation, batch: Batch) -> BoolArray:
         dx, dy = rule.direction
         along = [dx * o[..., 0] + dy * o[..., 1] for o in batch.origins_m]
         across = np.stack([-dy * o[..., 0] + dx * o[..., 1] for o in batch.origins_m])
@@ -106,7 +106,7 @@ class InLine(RelationMeaning):
         return good
 
     @override
-    def holds_throughout(self, rule: RelationIR, motions: Motions, value: FloatArray) -> BoolArray:
+    def holds_throughout(self, rule: SceneRelation, motions: Motions, value: FloatArray) -> BoolArray:
         """Along and across the direction each origin stays in an interval; those of two members differ by the ends."""
         dx, dy = rule.direction
         least, most = _steps(rule, 1)
@@ -126,11 +126,11 @@ class InLine(RelationMeaning):
         return stays & (aside <= rule.tolerance)
 
     @override
-    def difference_axes(self, rule: RelationIR, along: FloatArray) -> tuple[FloatArray, ...]:
+    def difference_axes(self, rule: SceneRelation, along: FloatArray) -> tuple[FloatArray, ...]:
         return along, np.array([-along[1], along[0]])
 
     @override
-    def differences(self, rule: RelationIR, along: FloatArray | None, axis: FloatArray) -> Iterator[Difference]:
+    def differences(self, rule: SceneRelation, along: FloatArray | None, axis: FloatArray) -> Iterator[Difference]:
         if along is None:
             return
         cosine = float(along @ axis)
@@ -145,7 +145,7 @@ class InLine(RelationMeaning):
 
     @override
     def linear_rows(
-        self, rule: RelationIR, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
+        self, rule: SceneRelation, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
     ) -> Iterator[LinearConstraint]:
         if along is None:
             return
@@ -159,21 +159,21 @@ class InLine(RelationMeaning):
             yield LinearConstraint(one, two, (-y, x), rule.tolerance + OUTLINE_SLACK_M)
 
     @override
-    def weaker(self, rule: RelationIR) -> Iterator[WeakerNumber]:
+    def weaker(self, rule: SceneRelation) -> Iterator[WeakerNumber]:
         yield WeakerNumber("tolerance", rule.tolerance, rule.tolerance + WIDEST_M, with_tolerance)
         if rule.gap_m > 0.0:
             yield WeakerNumber("spacing", rule.gap_m, SUGGESTION_STEP_M, with_gap)
             yield WeakerNumber("spacing", rule.gap_m, rule.gap_m + WIDEST_M, with_gap)
 
 
-def _steps(rule: RelationIR, count: int) -> tuple[float, float]:
+def _steps(rule: SceneRelation, count: int) -> tuple[float, float]:
     """Least and largest difference along the direction of two members with so many steps from one to the other."""
     if rule.gap_m > 0.0:
         return count * (rule.gap_m - rule.tolerance), count * (rule.gap_m + rule.tolerance)
     return 0.0, np.inf
 
 
-def _mates(rule: RelationIR, mover: Mover, assignment: Assignment) -> Mapping[int, tuple[float, float]]:
+def _mates(rule: SceneRelation, mover: Mover, assignment: Assignment) -> Mapping[int, tuple[float, float]]:
     """Origins in P of the members that are placed, by their number."""
     return {
         number: mover.owner.inverse_point(*measures.origin_B(assignment[name], assignment))

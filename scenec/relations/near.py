@@ -10,7 +10,6 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 from typing_extensions import override
 
-from scenec.ir.problem import RelationIR
 from scenec.plan.cases.motions import Motions, footprint_distances, overlap_depths
 from scenec.plan.cases.rectangles import distance
 from scenec.proofs.constraints import BEGIN, END, Difference, LinearConstraint, NodePose
@@ -30,6 +29,7 @@ from scenec.solve import measures
 from scenec.solve.measures import SLACK
 from scenec.solve.planar import SEGMENTS
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import SceneRelation
 from schemas.scene.relations import Relation, RelationWord
 
 DISTANCE_NORMALS = 16  # in which the origins are bounded by proofs
@@ -45,35 +45,35 @@ class Near(RelationMeaning):
     @override
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[RelationIR]:
+    ) -> Iterator[SceneRelation]:
         pairs = ((one, two) for one, two in product(*sides))
         yield from distance_relations(written, pairs, frames.path, word.word)
 
     @override
-    def excess(self, rule: RelationIR, assignment: Assignment) -> float:
+    def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
         one, two = (assignment[name] for name in rule.things)
         return measures.distance(one, two, assignment) - rule.gap_m
 
     @override
-    def region(self, rule: RelationIR, mover: Mover, assignment: Assignment) -> BaseGeometry:
+    def region(self, rule: SceneRelation, mover: Mover, assignment: Assignment) -> BaseGeometry:
         no_fit = measures.no_fit_of_mate(rule, mover.name, mover.turned, mover.owner, assignment)
         return shapely.union_all(shapely.buffer(no_fit, rule.gap_m, quad_segs=4 * SEGMENTS))
 
     @override
-    def may_hold(self, rule: RelationIR, batch: Batch) -> BoolArray:
+    def may_hold(self, rule: SceneRelation, batch: Batch) -> BoolArray:
         """The distance of rectangles is a lower bound of that of footprints."""
         return distance(*batch.rects_m) <= rule.gap_m + SLACK
 
     @override
-    def most_distance_m(self, rule: RelationIR) -> float:
+    def most_distance_m(self, rule: SceneRelation) -> float:
         return rule.gap_m
 
     @override
-    def turns_matter(self, rule: RelationIR, member: int, uneven: bool) -> bool:
+    def turns_matter(self, rule: SceneRelation, member: int, uneven: bool) -> bool:
         return uneven
 
     @override
-    def value(self, rule: RelationIR, motions: Motions) -> FloatArray:
+    def value(self, rule: SceneRelation, motions: Motions) -> FloatArray:
         """The distance of the footprints, where it can be small enough; below 0 where they must overlap and do."""
         one, two = motions.members
         if rule.gap_m == 0.0:
@@ -81,18 +81,18 @@ class Near(RelationMeaning):
         return footprint_distances(one, two, rule.gap_m)
 
     @override
-    def holds_throughout(self, rule: RelationIR, motions: Motions, value: FloatArray) -> BoolArray:
+    def holds_throughout(self, rule: SceneRelation, motions: Motions, value: FloatArray) -> BoolArray:
         one, two = motions.members
         return value + (one.outline_m + two.outline_m + motions.rounding_m) <= rule.gap_m
 
     @override
-    def differences(self, rule: RelationIR, along: FloatArray | None, axis: FloatArray) -> Iterator[Difference]:
+    def differences(self, rule: SceneRelation, along: FloatArray | None, axis: FloatArray) -> Iterator[Difference]:
         yield Difference(0, BEGIN, 1, END, -rule.gap_m)
         yield Difference(1, BEGIN, 0, END, -rule.gap_m)
 
     @override
     def linear_rows(
-        self, rule: RelationIR, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
+        self, rule: SceneRelation, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
     ) -> Iterator[LinearConstraint]:
         for angle in np.arange(DISTANCE_NORMALS) * (TURN / DISTANCE_NORMALS):
             normal = np.array([np.cos(angle), np.sin(angle)])
@@ -102,7 +102,7 @@ class Near(RelationMeaning):
             yield LinearConstraint(at[0], at[1], (float(normal[0]), float(normal[1])), bound)
 
     @override
-    def weaker(self, rule: RelationIR) -> Iterator[WeakerNumber]:
+    def weaker(self, rule: SceneRelation) -> Iterator[WeakerNumber]:
         if rule.gap_m > 0.0:
             yield WeakerNumber(rule.key or "distance", rule.gap_m, rule.gap_m + WIDEST_M, with_gap)
 

@@ -12,7 +12,7 @@ from typing import NamedTuple, Protocol
 
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import Path, Problem, Proof, RelationIR
+from scenec.ir.problem import Path, Problem, Proof
 from scenec.plan.cases.motions import Motions
 from scenec.plan.cases.rectangles import AxisOrder
 from scenec.proofs.constraints import Difference, LinearConstraint, NodePose
@@ -21,6 +21,7 @@ from scenec.solve.placed import Placed
 from scenec.solve.region_geometry import Box
 from scenec.solve.shapes import ShapeAtYaw
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import SceneRelation
 from schemas.scene.relations import Relation, RelationWord
 
 Assignment = Mapping[str, Placed]
@@ -96,7 +97,7 @@ class WeakerNumber:
     key: str
     start: float
     end: float
-    changed: Callable[[RelationIR, float], RelationIR]
+    changed: Callable[[SceneRelation, float], SceneRelation]
     step: float = SUGGESTION_STEP_M
     cost_per_unit: float = 1.0
 
@@ -126,124 +127,126 @@ class RelationMeaning:
 
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[RelationIR]:
+    ) -> Iterator[SceneRelation]:
         """Relations between things from the written one; `sides` are the things that each written name stands for."""
         raise NotImplementedError
 
     # For the solver.
 
-    def excess(self, rule: RelationIR, assignment: Assignment) -> float:
+    def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
         """Violation in metres or radians, at most 0 where it holds. All things must be placed."""
         raise NotImplementedError
 
-    def region(self, rule: RelationIR, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
+    def region(self, rule: SceneRelation, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
         """Where (in P) the origin of a thing may lie so that the relation holds, the others placed; None: left to
         `excess`."""
         return None
 
-    def placed_last(self, rule: RelationIR) -> tuple[str, ...]:
+    def placed_last(self, rule: SceneRelation) -> tuple[str, ...]:
         """Members for which there is room only when the others are placed."""
         return ()
 
-    def exact_yaw(self, rule: RelationIR, placed: Placed, assignment: Assignment) -> float | None:
+    def exact_yaw(self, rule: SceneRelation, placed: Placed, assignment: Assignment) -> float | None:
         """The yaw in P at which a member fulfils the relation exactly, the others placed; None where yaw is free."""
         return None
 
     # For plans.
 
-    def may_hold(self, rule: RelationIR, batch: Batch) -> BoolArray:
+    def may_hold(self, rule: SceneRelation, batch: Batch) -> BoolArray:
         """Whether it may hold in each layout (...): a necessary test on rectangles, exact where they decide."""
         raise NotImplementedError
 
-    def kept_by_rectangles(self, rule: RelationIR) -> bool:
+    def kept_by_rectangles(self, rule: SceneRelation) -> bool:
         """Whether disjoint rectangles in the right order imply it, so that cells need no clipping."""
         return False
 
-    def axis_order(self, rule: RelationIR) -> AxisOrder | None:
+    def axis_order(self, rule: SceneRelation) -> AxisOrder | None:
         """The order of two members along x or y that it demands, members by number."""
         return None
 
-    def least_distance_m(self, rule: RelationIR) -> float | None:
+    def least_distance_m(self, rule: SceneRelation) -> float | None:
         """The least distance of the footprints of its two members, None where it demands none."""
         return None
 
-    def most_distance_m(self, rule: RelationIR) -> float | None:
+    def most_distance_m(self, rule: SceneRelation) -> float | None:
         """The largest distance of the footprints of its two members, None where it allows any."""
         return None
 
-    def clip_axes(self, rule: RelationIR) -> slice:
+    def clip_axes(self, rule: SceneRelation) -> slice:
         """The axes of P along which motion of its members matters."""
         return slice(None)
 
-    def turns_matter(self, rule: RelationIR, member: int, uneven: bool) -> bool:
+    def turns_matter(self, rule: SceneRelation, member: int, uneven: bool) -> bool:
         """Whether a member that turns about its origin may violate it; `uneven`: its footprint changes by turning."""
         return False
 
-    def value(self, rule: RelationIR, motions: Motions) -> FloatArray:
+    def value(self, rule: SceneRelation, motions: Motions) -> FloatArray:
         """Measured value (l,) in each layout, as `holds_throughout` takes it."""
         return 0.0 * motions.axes_turn_rad
 
-    def holds_throughout(self, rule: RelationIR, motions: Motions, value: FloatArray) -> BoolArray:
+    def holds_throughout(self, rule: SceneRelation, motions: Motions, value: FloatArray) -> BoolArray:
         """(l,) whether it holds for every pose within the motions."""
         raise NotImplementedError
 
     # For proofs: what every pose that fulfils it satisfies, never more.
 
-    def refuted(self, rule: RelationIR, problem: Problem) -> Proof | None:
+    def refuted(self, rule: SceneRelation, problem: Problem) -> Proof | None:
         """A proof that nothing fulfils this relation, whatever the others are."""
         return None
 
-    def difference_axes(self, rule: RelationIR, along: FloatArray) -> tuple[FloatArray, ...]:
+    def difference_axes(self, rule: SceneRelation, along: FloatArray) -> tuple[FloatArray, ...]:
         """Axes (2,) along which it bounds differences, for its direction `along`."""
         return ()
 
-    def differences(self, rule: RelationIR, along: FloatArray | None, axis: FloatArray) -> Iterator[Difference]:
+    def differences(self, rule: SceneRelation, along: FloatArray | None, axis: FloatArray) -> Iterator[Difference]:
         """Differences along an axis that it implies; `along` is None where the yaw of its frame is not fixed."""
         yield from ()
 
     def linear_rows(
-        self, rule: RelationIR, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
+        self, rule: SceneRelation, at: Sequence[int], poses: Sequence[NodePose], along: FloatArray | None
     ) -> Iterator[LinearConstraint]:
         """Linear constraints of the origins of its members, which have the numbers `at`."""
         yield from ()
 
-    def disjunctions(self, rule: RelationIR, at: Sequence[int]) -> Iterator[tuple[tuple[LinearConstraint, ...], ...]]:
+    def disjunctions(
+        self, rule: SceneRelation, at: Sequence[int]
+    ) -> Iterator[tuple[tuple[LinearConstraint, ...], ...]]:
         """Sets of options: of each set at least one option, a set of constraints, holds."""
         yield from ()
 
-    def heading_matters(self, rule: RelationIR, name: str) -> bool:
+    def heading_matters(self, rule: SceneRelation, name: str) -> bool:
         """Whether the heading of a member matters even if its outline is symmetric."""
         return False
 
     # For suggestions.
 
-    def weaker(self, rule: RelationIR) -> Iterator[WeakerNumber]:
+    def weaker(self, rule: SceneRelation) -> Iterator[WeakerNumber]:
         """Numbers whose change makes it easier to fulfil."""
         yield from ()
 
 
-def with_gap(rule: RelationIR, value: float) -> RelationIR:
+def with_gap(rule: SceneRelation, value: float) -> SceneRelation:
     """The relation with another gap or distance."""
     return replace(rule, gap_m=value)
 
 
-def with_tolerance(rule: RelationIR, value: float) -> RelationIR:
+def with_tolerance(rule: SceneRelation, value: float) -> SceneRelation:
     """The relation with another tolerance."""
     return replace(rule, tolerance=value)
 
 
 def distance_relations(
     written: Relation, pairs: Iterable[tuple[str, str]], path: Path, word: str
-) -> Iterator[RelationIR]:
+) -> Iterator[SceneRelation]:
     """`near` and `far_from` for a written `distance`: one number bounds it from above, two from both sides."""
     if written.distance is None:
         return
     is_range = isinstance(written.distance, tuple)
     low, high = written.distance if isinstance(written.distance, tuple) else (0.0, written.distance)
     for pair in pairs:
-        yield RelationIR("near", pair, gap_m=high, path=path, word=word, key="distance[1]" if is_range else "")
+        yield SceneRelation("near", pair, gap_m=high, path=path, word=word, key="distance[1]" if is_range else "")
         if is_range:
-            yield RelationIR("far_from", pair, gap_m=low, path=path, word=word, key="distance[0]")
+            yield SceneRelation("far_from", pair, gap_m=low, path=path, word=word, key="distance[0]")
 
 
 def along_axis(cosine: float) -> bool:

@@ -16,7 +16,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 from typing_extensions import override
 
-from scenec.ir.problem import Problem, Proof, RelationIR
+from scenec.ir.problem import Problem, Proof
 from scenec.plan.cases.motions import ROUNDING, Motions
 from scenec.proofs.constraints import LinearConstraint
 from scenec.proofs.outlines import OUTLINE_SLACK_M
@@ -33,6 +33,7 @@ from scenec.solve import measures
 from scenec.solve.measures import SLACK
 from scenec.solve.region_geometry import NOWHERE, wedge
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import SceneRelation
 from schemas.scene.relations import Relation, RelationWord
 
 EVENLY_RAD = radians(10.0)  # where no tolerance is written
@@ -63,16 +64,16 @@ class Surrounding(RelationMeaning):
     @override
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[RelationIR]:
+    ) -> Iterator[SceneRelation]:
         members = tuple(thing for side in sides[1:] for thing in side)
         angle, key = _written_angle(written, len(members))
         for centre in sides[0]:
             things = (centre, *members)
-            yield RelationIR("surrounding", things, path=frames.path, word=word.word, angle_rad=angle, key=key)
+            yield SceneRelation("surrounding", things, path=frames.path, word=word.word, angle_rad=angle, key=key)
             yield from distance_relations(written, ((centre, name) for name in members), frames.path, word.word)
 
     @override
-    def excess(self, rule: RelationIR, assignment: Assignment) -> float:
+    def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
         (cx, cy), *others = measures.origins_B(rule.things, assignment)
         if min(hypot(x - cx, y - cy) for x, y in others) < CENTRE_M:
             return pi
@@ -82,7 +83,7 @@ class Surrounding(RelationMeaning):
         return max(least - min(angles), max(angles) - most)
 
     @override
-    def region(self, rule: RelationIR, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
+    def region(self, rule: SceneRelation, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
         """Wedges about the centre; None for the centre itself and before it is placed."""
         if rule.things[0] == mover.name or rule.things[0] not in assignment:
             return None
@@ -98,11 +99,11 @@ class Surrounding(RelationMeaning):
         return shapely.union_all(wedges) if wedges else NOWHERE
 
     @override
-    def placed_last(self, rule: RelationIR) -> tuple[str, ...]:
+    def placed_last(self, rule: SceneRelation) -> tuple[str, ...]:
         return rule.things[1:]
 
     @override
-    def may_hold(self, rule: RelationIR, batch: Batch) -> BoolArray:
+    def may_hold(self, rule: SceneRelation, batch: Batch) -> BoolArray:
         """Any two members are so far apart as the numbers of angles between them allow."""
         everywhere = np.ones(batch.origins_m[0].shape[:-1], dtype=bool)
         if batch.numbers[0] != 0:
@@ -118,12 +119,12 @@ class Surrounding(RelationMeaning):
         return good
 
     @override
-    def value(self, rule: RelationIR, motions: Motions) -> FloatArray:
+    def value(self, rule: SceneRelation, motions: Motions) -> FloatArray:
         """Unused: `holds_throughout` measures the angles."""
         return np.zeros(len(motions.axes_turn_rad))
 
     @override
-    def holds_throughout(self, rule: RelationIR, motions: Motions, value: FloatArray) -> BoolArray:
+    def holds_throughout(self, rule: SceneRelation, motions: Motions, value: FloatArray) -> BoolArray:
         """The heading of each member changes by at most asin(motion / distance), that of the centre included.
 
         If all headings change by at most s, the least angle between neighbours falls by at most 2 s and the largest
@@ -142,7 +143,7 @@ class Surrounding(RelationMeaning):
         return is_clear & is_wide & (angles.max(axis=1) + 2.0 * swing + ROUNDING <= most)
 
     @override
-    def refuted(self, rule: RelationIR, problem: Problem) -> Proof | None:
+    def refuted(self, rule: SceneRelation, problem: Problem) -> Proof | None:
         """The angles between neighbours add up to a whole turn."""
         count, (least, _) = len(rule.things) - 1, _angle(rule)
         needed = degrees(count * least)
@@ -152,7 +153,9 @@ class Surrounding(RelationMeaning):
         return Proof("empty-domain", text, needed, 360.0, "deg", (rule.path,))
 
     @override
-    def disjunctions(self, rule: RelationIR, at: Sequence[int]) -> Iterator[tuple[tuple[LinearConstraint, ...], ...]]:
+    def disjunctions(
+        self, rule: SceneRelation, at: Sequence[int]
+    ) -> Iterator[tuple[tuple[LinearConstraint, ...], ...]]:
         """If no angle is wider than a half turn, some member lies ahead of the centre in every direction."""
         least, most = _angle(rule)
         count = len(at) - 1
@@ -163,7 +166,7 @@ class Surrounding(RelationMeaning):
             yield tuple((LinearConstraint(at[0], other, back, FAR_SLACK_M),) for other in at[1:])
 
     @override
-    def weaker(self, rule: RelationIR) -> Iterator[WeakerNumber]:
+    def weaker(self, rule: SceneRelation) -> Iterator[WeakerNumber]:
         least, most = _angle(rule)
         to_key = degrees if rule.key.endswith("_deg") else float
         from_key = radians if rule.key.endswith("_deg") else float
@@ -205,11 +208,11 @@ def _even(count: int, tolerance_rad: float) -> Arc:
     return max(TURN / count - tolerance_rad, 0.0), min(TURN / count + tolerance_rad, TURN - 1e-9)
 
 
-def _angle(rule: RelationIR) -> Arc:
+def _angle(rule: SceneRelation) -> Arc:
     return rule.angle_rad or (0.0, TURN)
 
 
-def _arcs(rule: RelationIR) -> list[Arc]:
+def _arcs(rule: SceneRelation) -> list[Arc]:
     """Where one member may lie ahead of another: 1 to n - 1 angles ahead, and the rest of the turn behind."""
     count, (least, most) = len(rule.things) - 1, _angle(rule)
     arcs = []

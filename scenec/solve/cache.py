@@ -9,9 +9,9 @@ from hashlib import blake2b
 import numpy as np
 from shapely import Polygon
 
-from scenec.ir.problem import Body, Placement, RelationIR, Thing
+from scenec.ir.problem import Body, Placement, Thing
 from scenec.solve.model import SolverModel
-from schemas.scene.geometry import ScenePlace
+from schemas.scene.geometry import ScenePlace, SceneRelation
 
 Digest = bytes
 MOST_VALIDATED_SETS = 8  # sets of things known to be valid together, for each surroundings
@@ -136,5 +136,5 @@ def _surroundings(model: SolverModel) -> Digest:
     return _hash(repr(problem.clearance_m).encode(), _array(problem.X_WB), ring, *keep_outs)
 
 
-def _rule(rule: RelationIR) -> bytes:
+def _rule(rule: SceneRelation) -> bytes:
     return repr((rule.kind, rule.things, rule.direction, rule.gap_m, rule.tolerance, rule.frame)).encode()

@@ -13,11 +13,10 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from scenec.ir.problem import RelationIR
 from scenec.relations.table import RELATIONS
 from scenec.solve.model import Limit, SolverModel
 from schemas.arrays import BoolArray, FloatArray
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, SceneRelation
 
 YAW_SAMPLES = 64
 
@@ -123,7 +122,7 @@ def components_of(model: SolverModel) -> tuple[tuple[str, ...], ...]:
     return tuple(sorted(tuple(sorted(members)) for members in nx.connected_components(graph)))
 
 
-def lifted(model: SolverModel, rule: RelationIR) -> RelationIR:
+def lifted(model: SolverModel, rule: SceneRelation) -> SceneRelation:
     """A stricter relation between siblings that implies one across owners: contents of a tray are left of a box when
     the tray is, wherever they are on the tray. The relation itself where there is no such."""
     meaning = RELATIONS[rule.kind]

@@ -8,7 +8,7 @@ from math import cos, sin
 from typing import NamedTuple
 
 from scenec.solve.placed import Placed
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 
 
 class Pose2(NamedTuple):

@@ -8,18 +8,18 @@ from math import cos, pi, sin
 import numpy as np
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import RelationIR
 from scenec.solve.frames import Pose2, pose_of, turned_direction
 from scenec.solve.placed import Placed, footprint_distance
 from scenec.solve.planar import hulls, polygon
 from scenec.solve.region_geometry import in_P, minkowski_sum_points
 from scenec.solve.shapes import ShapeAtYaw
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import SceneRelation
 
 SLACK = 1e-9  # metres or radians, for rounding
 
 
-def direction_B(rule: RelationIR, assignment: Mapping[str, Placed]) -> tuple[float, float]:
+def direction_B(rule: SceneRelation, assignment: Mapping[str, Placed]) -> tuple[float, float]:
     """The direction of a relation in B; the thing that defines its frame must be placed."""
     return turned_direction(rule.direction, pose_of(rule.frame, assignment).yaw_rad)
 
@@ -49,13 +49,15 @@ def origins_B(names: Iterable[str], assignment: Mapping[str, Placed]) -> list[tu
     return [origin_B(assignment[name], assignment) for name in names]
 
 
-def mates_P(rule: RelationIR, name: str, owner: Pose2, assignment: Mapping[str, Placed]) -> list[tuple[float, float]]:
+def mates_P(
+    rule: SceneRelation, name: str, owner: Pose2, assignment: Mapping[str, Placed]
+) -> list[tuple[float, float]]:
     """Origins of the other members of a relation in the frame P of the owner of one."""
     return [owner.inverse_point(*point) for point in origins_B((n for n in rule.things if n != name), assignment)]
 
 
 def no_fit_of_mate(
-    rule: RelationIR, name: str, turned: ShapeAtYaw, owner: Pose2, assignment: Mapping[str, Placed]
+    rule: SceneRelation, name: str, turned: ShapeAtYaw, owner: Pose2, assignment: Mapping[str, Placed]
 ) -> list[BaseGeometry]:
     """Areas in P whose union is where the origin of a member may not lie if it must not meet the other member."""
     (mate,) = (assignment[n] for n in rule.things if n != name)

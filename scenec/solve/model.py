@@ -17,13 +17,12 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.ir.problem import Placement, Problem, RelationIR, Thing
+from scenec.ir.problem import Placement, Problem, Thing
 from scenec.relations.table import RELATIONS
 from scenec.solve.placed import Placed
 from scenec.solve.planar import SLACK_M, polygon
 from scenec.solve.shapes import Shape, carried_prisms, shape_of, tallest
-from schemas.scene.geometry import ScenePlace
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, ScenePlace, SceneRelation
 
 
 class Site:
@@ -87,24 +86,24 @@ class SolverModel:
     things: dict[str, Thing]
     shapes: dict[str, tuple[Shape, ...]]
     sites: dict[tuple[str, str], Site]
-    rules: tuple[RelationIR, ...]
+    rules: tuple[SceneRelation, ...]
     limits: dict[str, tuple[Limit, ...]]
 
     @cached_property
-    def rules_of(self) -> dict[str, tuple[RelationIR, ...]]:
+    def rules_of(self) -> dict[str, tuple[SceneRelation, ...]]:
         """Relations that depend on the pose of a thing, by name: as member, as frame, or as an owner of these."""
-        rules_by_name: dict[str, list[RelationIR]] = defaultdict(list)
+        rules_by_name: dict[str, list[SceneRelation]] = defaultdict(list)
         for rule in self.rules:
             for name in self.depends_on(rule):
                 rules_by_name[name].append(rule)
         return {name: tuple(rules) for name, rules in rules_by_name.items()}
 
-    def in_one_frame(self, rule: RelationIR) -> bool:
+    def in_one_frame(self, rule: SceneRelation) -> bool:
         """Whether a relation can be evaluated in the frame of one owner that carries all its members."""
         owners = {self.things[name].parent for name in rule.things}
         return len(owners) == 1 and (not RELATIONS[rule.kind].frame_dependent or rule.frame in owners)
 
-    def depends_on(self, rule: RelationIR) -> set[str]:
+    def depends_on(self, rule: SceneRelation) -> set[str]:
         """Names of the things on whose poses a relation depends."""
         if self.in_one_frame(rule):
             return set(rule.things)

@@ -28,8 +28,7 @@ from scenec.solve.planar import ROUND_OUT, SEGMENTS, SLACK_M, hulls, outline_of,
 from scenec.solve.region_geometry import NOWHERE, half_plane, minkowski_sum_points, no_fit_polygons
 from scenec.solve.shapes import ShapeAtYaw
 from schemas.arrays import FloatArray
-from schemas.scene.geometry import Prism
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, Prism
 
 FEW_PIECES = 16  # product of the piece counts of two footprints below which no-fit polygons are not cached
 _NO_FIT: WeakKeyDictionary[ShapeAtYaw, WeakKeyDictionary[ShapeAtYaw, dict[float, BaseGeometry]]] = WeakKeyDictionary()

@@ -9,7 +9,7 @@ from scenec.ir.problem import Path
 from scenec.source.hint import did_you_mean
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, finding
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 from schemas.scene.relations import WORD, Relation, RelationWord
 
 

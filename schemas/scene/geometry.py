@@ -1,4 +1,4 @@
-"""Scene geometry shared by compiler, plans and judge: prisms, stances, places, domains, keep-outs and reach.
+"""Scene geometry shared by compiler, plans and judge: prisms, stances, places, domains, relations, keep-outs and reach.
 
 Data only, frozen; algorithms stay with the packages that use them. Outlines are arrays, areas are shapely polygons
 (arrays of corners that nobody can change). Metres, radians. Frames: W world, z up; P the asset frame of the owner of a
@@ -16,10 +16,12 @@ from pydantic import ConfigDict, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from schemas.arrays import FloatArray
+from schemas.scene.relations import WORD
 
 if TYPE_CHECKING:
     from shapely import Polygon
 
+BACKGROUND = "background"  # the fixed surroundings, as owner of places and of frames
 _DIGITS = 9  # of written lengths: nanometres
 
 
@@ -178,6 +180,33 @@ class ReachRing:
     most_m: float
     members: tuple[str, ...]
     path: tuple[str | int, ...] = ()
+
+
+@dataclass(frozen=True)
+class SceneRelation:
+    """A relation between things. What the numbers mean depends on its `kind`: `scenec.relations` has a file for each,
+    `scene_check.relations` a predicate.
+
+    `direction` is a unit vector (2,) in P of `frame`, which is BACKGROUND or a thing; the judge of one scene takes it
+    in W. `word` is the one that was written, where it was, and `key` where its number is written, if not in the key
+    that is usual for its kind.
+    """
+
+    kind: str
+    things: tuple[str, ...]
+    direction: tuple[float, float] = (1.0, 0.0)
+    gap_m: float = 0.0
+    tolerance: float = 0.0
+    frame: str = BACKGROUND
+    path: tuple[str | int, ...] = ()
+    word: str = ""
+    angle_rad: tuple[float, float] | None = None
+    key: str = ""
+
+    @property
+    def as_written(self) -> tuple[str, ...]:
+        """The things in authored order."""
+        return self.things[::-1] if self.word in WORD and WORD[self.word].reverse else self.things
 
 
 def rounded_value(value: float) -> float:

@@ -1,4 +1,4 @@
-"""The one conversion between plan documents and scene geometry: stances, places, domains, keep-outs and reach.
+"""The one conversion between plan documents and scene geometry (places, stances, domains, relations, rules).
 
 `written_*` make the parts of a document, in whole nanometres; the others read them. Imports shapely, which the sampler
 of plans does without.
@@ -21,6 +21,7 @@ from schemas.scene.geometry import (
     PlaceLayer,
     ReachRing,
     ScenePlace,
+    SceneRelation,
     Stance,
     rounded_points,
 )
@@ -30,6 +31,7 @@ from schemas.scene.runtime_plan import (
     PlanPlace,
     PlanPolygon,
     PlanReach,
+    PlanRelation,
     PlanSpot,
     PlanStance,
     PlanThing,
@@ -136,6 +138,34 @@ def written_thing(
 def _range(span: tuple[float, float]) -> tuple[float, float] | None:
     low, high = span
     return None if low == -inf and high == inf else (max(low, -_OPEN_M), min(high, _OPEN_M))
+
+
+def relation_of(document: PlanRelation) -> SceneRelation:
+    """The relation of a document."""
+    return SceneRelation(
+        kind=document.kind,
+        things=document.things,
+        direction=document.direction,
+        gap_m=document.gap_m,
+        tolerance=document.tolerance,
+        angle_rad=document.angle_rad,
+        frame=document.frame,
+        word=document.word,
+    )
+
+
+def written_relation(relation: SceneRelation) -> PlanRelation:
+    """The document of a relation."""
+    return PlanRelation(
+        kind=relation.kind,
+        things=relation.things,
+        direction=relation.direction,
+        gap_m=relation.gap_m,
+        tolerance=relation.tolerance,
+        angle_rad=relation.angle_rad,
+        frame=relation.frame,
+        word=relation.word,
+    )
 
 
 def keep_out_of(document: PlanKeepOut, parent: str, place: ScenePlace) -> KeepOutVolume:

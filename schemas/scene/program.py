@@ -13,7 +13,6 @@ from pydantic import Field
 from schemas.scene.relations import Relation
 from schemas.scene.written import Distance, Length, Range, Written
 
-BACKGROUND = "background"
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
 Quat_wxyz = tuple[float, float, float, float]

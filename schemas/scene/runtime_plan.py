@@ -110,7 +110,7 @@ class PlanThing(_Model):
 
 
 class PlanRelation(_Model):
-    """As `scenec.ir.problem.RelationIR`: `direction` (unit) counts in the frame U of `frame`, a thing's id or
+    """As `schemas.scene.geometry.SceneRelation`: `direction` (unit) counts in the frame U of `frame`, a thing's id or
     `background`.
     """
 

@@ -7,7 +7,7 @@ import pytest
 from shapely import box
 
 from scene_check import check
-from scene_check.batch import BatchPoses, RelationRule, SceneRules, ThingRule, scene_at
+from scene_check.batch import BatchPoses, SceneRules, ThingRule, scene_at
 from scene_check.check_batch import check_batch, unproven
 from schemas.scene.geometry import (
     Domain,
@@ -17,6 +17,7 @@ from schemas.scene.geometry import (
     Prism,
     ReachRing,
     ScenePlace,
+    SceneRelation,
     Stance,
 )
 
@@ -73,14 +74,14 @@ def rules(yaw: float) -> SceneRules:
         yaw,
         0.01,
         (
-            RelationRule("before", (0, 1), np.array([1.0, 0.0]), gap_m=0.02),
-            RelationRule("near", (0, 1), np.array([1.0, 0.0]), gap_m=0.3),
-            RelationRule("near", (2, 1), np.array([1.0, 0.0]), gap_m=0.6),
-            RelationRule("far_from", (1, 2), np.array([1.0, 0.0]), gap_m=0.05),
-            RelationRule("aligned", (0, 1), np.array([1.0, 0.0]), tolerance=0.25),
-            RelationRule("facing", (0, 1), np.array([1.0, 0.0]), tolerance=1.2),
-            RelationRule("between", (3, 0, 1), np.array([1.0, 0.0]), tolerance=0.3),
-            RelationRule("before", (3, 5), np.array([1.0, 0.0]), frame=0, gap_m=0.0),
+            SceneRelation("before", ("tray", "bowl"), (1.0, 0.0), gap_m=0.02),
+            SceneRelation("near", ("tray", "bowl"), (1.0, 0.0), gap_m=0.3),
+            SceneRelation("near", ("ell", "bowl"), (1.0, 0.0), gap_m=0.6),
+            SceneRelation("far_from", ("bowl", "ell"), (1.0, 0.0), gap_m=0.05),
+            SceneRelation("aligned", ("tray", "bowl"), (1.0, 0.0), tolerance=0.25),
+            SceneRelation("facing", ("tray", "bowl"), (1.0, 0.0), tolerance=1.2),
+            SceneRelation("between", ("cup", "tray", "bowl"), (1.0, 0.0), tolerance=0.3),
+            SceneRelation("before", ("cup", "peg"), (1.0, 0.0), frame="tray", gap_m=0.0),
         ),
         (KeepOutVolume("background", TABLE, box(-0.02, -0.4, 0.0, -0.3), 0.1),),
         ReachRing(np.array([0.4, -0.9, 0.0]), 0.1, 1.1, ("bowl", "cup")),

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import MultiPoint, Polygon, box
 
-from scene_check import CheckObject, CheckRelation, CheckScene, PosedPlace, check
+from scene_check import CheckObject, CheckScene, PosedPlace, check
 from scene_check.batch import place_in_world
 from scene_check.measures import farthest_outside, outside
 from schemas.scene.geometry import (
@@ -21,6 +21,7 @@ from schemas.scene.geometry import (
     Prism,
     ReachRing,
     ScenePlace,
+    SceneRelation,
 )
 
 
@@ -196,7 +197,7 @@ def test_ranges_spots_and_stances():
     ],
 )
 def test_relations_between_two_blocks_a_decimetre_apart(kind, holds, gap, tolerance):
-    relation = CheckRelation(kind, ("a", "b"), np.array([1.0, 0.0]), gap, tolerance)
+    relation = SceneRelation(kind, ("a", "b"), (1.0, 0.0), gap, tolerance)
     assert (kinds(block("a", -0.1, 0.0), block("b", 0.1, 0.0), relations=(relation,)) == []) == holds
 
 
@@ -210,7 +211,7 @@ def test_between_facing_and_aligned_tell_when_they_are_broken():
         ("aligned", ("m", "l", "r"), 0.01, False),
         ("facing", ("r", "l"), 0.1, False),
     ]:
-        relation = CheckRelation(kind, names, np.array([1.0, 0.0]), 0.0, tolerance)
+        relation = SceneRelation(kind, names, (1.0, 0.0), 0.0, tolerance)
         assert (kinds(*three, relations=(relation,)) == []) == holds, (kind, names, tolerance)
 
 
@@ -229,7 +230,7 @@ pose = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.3, 0.3), st.floats(-3.0, 3.0
 
 def crowd(poses) -> CheckScene:
     objects = tuple(block(f"o{k}", x, y, yaw=yaw) for k, (x, y, yaw) in enumerate(poses))
-    relation = CheckRelation("before", ("o0", "o1"), np.array([1.0, 0.0]), 0.01)
+    relation = SceneRelation("before", ("o0", "o1"), (1.0, 0.0), 0.01)
     return CheckScene(objects, 0.01, (relation,))
 
 
@@ -263,7 +264,8 @@ def test_a_rigid_motion_of_the_whole_scene_changes_no_verdict(poses, turn, dx, d
         )
         for item in scene.objects
     )
-    relation = replace(scene.relations[0], direction=moved_point(scene.relations[0].direction[None], turn, 0.0)[0])
+    direction = moved_point(np.array([scene.relations[0].direction]), turn, 0.0)[0]
+    relation = replace(scene.relations[0], direction=tuple(direction.tolist()))
     before = check(scene)
     after = check(replace(scene, objects=objects, relations=(relation,)))
     assert [(v.kind, v.names) for v in after] == [(v.kind, v.names) for v in before]

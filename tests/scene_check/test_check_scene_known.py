@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from shapely import box
 
-from scene_check import CheckObject, CheckRelation, CheckScene, PosedPlace, check
+from scene_check import CheckObject, CheckScene, PosedPlace, check
 from scene_check.batch import place_in_world
-from schemas.scene.geometry import KeepOutVolume, PlaceLayer, ReachRing, ScenePlace
+from schemas.scene.geometry import KeepOutVolume, PlaceLayer, ReachRing, ScenePlace, SceneRelation
 from tests.scene_check.test_check_scene import TABLE, TOP, block
 
 KEEP_OUT = TABLE, KeepOutVolume("background", TOP, box(0.45, -0.4, 0.6, 0.4), 0.05)
@@ -40,17 +40,17 @@ def crowd(rng: np.random.Generator) -> list[CheckObject]:
     return [owner, *contents(rng, inside), *loose]
 
 
-def scene(objects: list[CheckObject], relations: tuple[CheckRelation, ...]) -> CheckScene:
+def scene(objects: list[CheckObject], relations: tuple[SceneRelation, ...]) -> CheckScene:
     there = {item.name for item in objects}
-    asked = tuple(relation for relation in relations if there.issuperset(relation.objects))
+    asked = tuple(relation for relation in relations if there.issuperset(relation.things))
     reach = replace(REACH, members=tuple(name for name in REACH.members if name in there))
     return CheckScene(tuple(objects), 0.01, asked, (KEEP_OUT,), reach)
 
 
-def relation(rng: np.random.Generator) -> CheckRelation:
+def relation(rng: np.random.Generator) -> SceneRelation:
     one, two = rng.choice(12, 2, replace=False)
     kind = str(rng.choice(["before", "near", "far_from"]))
-    return CheckRelation(kind, (f"b{one}", f"b{two}"), np.array([1.0, 0.0]), float(rng.uniform(0.0, 0.3)))
+    return SceneRelation(kind, (f"b{one}", f"b{two}"), (1.0, 0.0), float(rng.uniform(0.0, 0.3)))
 
 
 def valid(rng: np.random.Generator) -> CheckScene:

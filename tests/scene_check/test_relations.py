@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from shapely import box
 
-from scene_check import CheckObject, CheckRelation, CheckScene, check
-from scene_check.batch import BatchPoses, RelationRule, SceneRules, ThingRule, place_in_world, scene_at
+from scene_check import CheckObject, CheckScene, check
+from scene_check.batch import BatchPoses, SceneRules, ThingRule, place_in_world, scene_at
 from scene_check.check_batch import unproven
-from schemas.scene.geometry import Prism, ScenePlace, Stance
+from schemas.scene.geometry import Prism, ScenePlace, SceneRelation, Stance
 
-X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+X, Y = (1.0, 0.0), (0.0, 1.0)
 TURN = 2.0 * np.pi
 OUTLINE = np.array([(-0.01, -0.01), (0.01, -0.01), (0.01, 0.01), (-0.01, 0.01)])
 TOP = ScenePlace("top", box(-1.0, -1.0, 1.0, 1.0), np.zeros(3))
@@ -21,10 +21,10 @@ def block(name: str, x: float, y: float, base: float = 0.0, height: float = 0.1)
     """A small box with its base at this height, on a place of its own height."""
     place = place_in_world("background", ScenePlace(name, TOP.polygon, np.array([0.0, 0.0, base])), np.zeros(3), 0.0)
     prism = Prism(OUTLINE + np.array([x, y]), base, base + height)
-    return CheckObject(name, (prism,), np.array([x, y, base]), 0.0, X, place)
+    return CheckObject(name, (prism,), np.array([x, y, base]), 0.0, np.array(X), place)
 
 
-def holds(relation: CheckRelation, *objects: CheckObject) -> bool:
+def holds(relation: SceneRelation, *objects: CheckObject) -> bool:
     violations = check(CheckScene(objects, 0.0, (relation,)))
     assert {violation.kind for violation in violations} <= {"relation"}
     return not violations
@@ -48,14 +48,14 @@ def around(*degrees: float, radius: float = 0.2) -> list[CheckObject]:
 )
 def test_above_measures_from_the_highest_to_the_lowest_point(rise: float, gap: float, expected: bool) -> None:
     upper, lower = block("a", 0.3, 0.0, 0.1 + rise), block("b", -0.3, 0.0)
-    assert holds(CheckRelation("above", ("a", "b"), X, gap), upper, lower) == expected
-    assert not holds(CheckRelation("above", ("b", "a"), X, 0.0), upper, lower)
+    assert holds(SceneRelation("above", ("a", "b"), X, gap), upper, lower) == expected
+    assert not holds(SceneRelation("above", ("b", "a"), X, 0.0), upper, lower)
 
 
 def test_above_gives_the_rise_and_its_bound() -> None:
     (violation,) = check(
         CheckScene(
-            (block("a", 0.3, 0.0, 0.12), block("b", 0.0, 0.0)), 0.0, (CheckRelation("above", ("a", "b"), X, 0.05),)
+            (block("a", 0.3, 0.0, 0.12), block("b", 0.0, 0.0)), 0.0, (SceneRelation("above", ("a", "b"), X, 0.05),)
         )
     )
     assert (violation.value, violation.bound, violation.unit) == (pytest.approx(0.02), 0.05, "m")
@@ -78,12 +78,12 @@ def test_surrounding_counts_the_angles_between_neighbours(degrees, least: float,
     objects = around(*degrees)
     names = tuple(item.name for item in objects)
     angle = (float(np.radians(least)), float(np.radians(most)))
-    assert holds(CheckRelation("surrounding", names, X, angle_rad=angle), *objects) == expected
+    assert holds(SceneRelation("surrounding", names, X, angle_rad=angle), *objects) == expected
 
 
 def test_what_lies_on_the_centre_has_no_direction() -> None:
     objects = [block("c", 0.0, 0.0), block("a", 0.2, 0.0), block("b", 0.0, 0.0, 0.2)]
-    assert not holds(CheckRelation("surrounding", ("c", "a", "b"), X, angle_rad=(0.0, TURN)), *objects)
+    assert not holds(SceneRelation("surrounding", ("c", "a", "b"), X, angle_rad=(0.0, TURN)), *objects)
 
 
 @pytest.mark.parametrize(
@@ -97,27 +97,27 @@ def test_what_lies_on_the_centre_has_no_direction() -> None:
         (((0, 0), (0.1, 0), (0.19, 0)), X, 0.1, 0.01, True),
         (((0, 0), (0, 0.1), (0.01, 0.2)), Y, 0.1, 0.01, True),
         (((0, 0.2), (0, 0.1), (0, 0)), Y, 0.1, 0.01, False),
-        (((0, 0.2), (0, 0.1), (0, 0)), -Y, 0.1, 0.01, True),
+        (((0, 0.2), (0, 0.1), (0, 0)), (0.0, -1.0), 0.1, 0.01, True),
     ],
 )
 def test_in_line_counts_steps_along_and_offsets_across(points, direction, spacing, tolerance, expected) -> None:
     objects = [block(f"o{k}", x, y) for k, (x, y) in enumerate(points)]
-    relation = CheckRelation("in_line", ("o0", "o1", "o2"), direction, spacing, tolerance)
+    relation = SceneRelation("in_line", ("o0", "o1", "o2"), direction, spacing, tolerance)
     assert holds(relation, *objects) == expected
 
 
 RULES = (
-    RelationRule("above", (3, 0), X, gap_m=0.05),
-    RelationRule("above", (3, 1), X, gap_m=0.1),
-    RelationRule("surrounding", (0, 1, 2, 3), X, angle_rad=(0.5, TURN)),
-    RelationRule("surrounding", (3, 1, 2), X, angle_rad=(0.2, 5.8)),
-    RelationRule("in_line", (1, 0, 2), X, tolerance=0.05),
-    RelationRule("in_line", (1, 0, 2), X, gap_m=0.3, tolerance=0.05),
+    SceneRelation("above", ("o3", "o0"), X, gap_m=0.05),
+    SceneRelation("above", ("o3", "o1"), X, gap_m=0.1),
+    SceneRelation("surrounding", ("o0", "o1", "o2", "o3"), X, angle_rad=(0.5, TURN)),
+    SceneRelation("surrounding", ("o3", "o1", "o2"), X, angle_rad=(0.2, 5.8)),
+    SceneRelation("in_line", ("o1", "o0", "o2"), X, tolerance=0.05),
+    SceneRelation("in_line", ("o1", "o0", "o2"), X, gap_m=0.3, tolerance=0.05),
 )
 
 
 @pytest.mark.parametrize("rule", RULES, ids=str)
-def test_bounds_of_many_scenes_hold_only_where_each_scene_does(rule: RelationRule) -> None:
+def test_bounds_of_many_scenes_hold_only_where_each_scene_does(rule: SceneRelation) -> None:
     n, rng = 400, np.random.default_rng(3)
     form = ((0, Stance((1.0, 0.0, 0.0, 0.0), (Prism(OUTLINE, 0.0, 0.1),), 0.0)),)
     places = [ScenePlace(f"p{k}", TOP.polygon, np.array([0.0, 0.0, z])) for k, z in enumerate((0.0, 0.0, 0.0, 0.2))]

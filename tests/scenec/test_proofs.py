@@ -13,11 +13,11 @@ from shapely import Polygon, box
 
 from geom.planar import turned
 from scenec.check.judge_scene import violations
-from scenec.ir.problem import Placement, Problem, RelationIR, Thing
+from scenec.ir.problem import Placement, Problem, Thing
 from scenec.proofs import prove, prove_cheaply
 from scenec.proofs.exhaustive import no_arrangement
 from scenec.proofs.outlines import kernel, least_width, period, support_bounds
-from schemas.scene.geometry import Domain, FixedPose, KeepOutVolume, PlaceLayer, ReachRing, ScenePlace
+from schemas.scene.geometry import Domain, FixedPose, KeepOutVolume, PlaceLayer, ReachRing, ScenePlace, SceneRelation
 from tests.support.scene.proof_problems import box_body, left_of, problem, table, thing
 from tests.support.scene.random_problems import random_problem
 from tests.support.scene.truth import truth
@@ -30,7 +30,7 @@ def kind(case: Problem) -> str | None:
     return proof.kind if proof else None
 
 
-def three(*relations: RelationIR, place=TABLE, **how) -> Problem:
+def three(*relations: SceneRelation, place=TABLE, **how) -> Problem:
     return problem([thing(name, (0.1, 0.06), place, yaw=(-np.pi, np.pi)) for name in "abc"], relations, **how)
 
 
@@ -53,7 +53,7 @@ def test_a_circle_of_three_is_named_exactly_and_fast():
 
 
 def test_words_that_mean_the_same_direction_close_a_circle_too():
-    right = RelationIR("before", ("a", "b"), (-1.0, 0.0), path=("relations", 0), word="right_of")
+    right = SceneRelation("before", ("a", "b"), (-1.0, 0.0), path=("relations", 0), word="right_of")
     assert kind(three(right, left_of(1, "a", "b"))) == "relation-cycle"
     assert prove_cheaply(three(right, left_of(1, "b", "a"))) is None
 
@@ -122,8 +122,8 @@ def test_things_that_may_be_stacked_are_not_counted_side_by_side():
 
 
 def test_near_and_far_contradict():
-    near = [RelationIR("near", pair, gap_m=0.05, path=("relations", k)) for k, pair in enumerate(["ab", "bc"])]
-    far = RelationIR("far_from", ("a", "c"), gap_m=0.3, path=("relations", 2))
+    near = [SceneRelation("near", pair, gap_m=0.05, path=("relations", k)) for k, pair in enumerate(["ab", "bc"])]
+    far = SceneRelation("far_from", ("a", "c"), gap_m=0.3, path=("relations", 2))
     proof = prove_cheaply(three(*near, far))
     assert proof is not None
     assert set(proof.paths) == {("relations", 0), ("relations", 1), ("relations", 2)}

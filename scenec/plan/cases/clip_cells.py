@@ -13,12 +13,11 @@ from functools import partial
 
 import numpy as np
 
-from scenec.ir.problem import RelationIR
 from scenec.plan.cases.motions import ROUND_M, ROUNDING, Motions, RelativePoses, unevenness
 from scenec.plan.cases.pool_model import Layouts, PoolModel, floor_of
 from scenec.relations.table import RELATIONS
 from schemas.arrays import BoolArray, FloatArray
-from schemas.scene.geometry import ReachRing
+from schemas.scene.geometry import ReachRing, SceneRelation
 
 CLIP_STEPS_M = (
     np.inf,
@@ -164,7 +163,7 @@ def _motions(pool: PoolModel, layouts: Layouts, freedom: Freedom, numbers: list[
 
 
 def _holds(
-    pool: PoolModel, rule: RelationIR, layouts: Layouts, freedom: Freedom, numbers: list[int], value: FloatArray
+    pool: PoolModel, rule: SceneRelation, layouts: Layouts, freedom: Freedom, numbers: list[int], value: FloatArray
 ) -> BoolArray:
     return RELATIONS[rule.kind].holds_throughout(rule, _motions(pool, layouts, freedom, numbers), value)
 

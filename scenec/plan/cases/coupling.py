@@ -7,11 +7,10 @@ from itertools import pairwise
 
 import networkx as nx
 
-from scenec.ir.problem import RelationIR
 from scenec.plan.cases.cross_owner_relations import cross_owner_relation
 from scenec.solve.coupling import lifted, overlapping
 from scenec.solve.model import SolverModel
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, SceneRelation
 
 
 @dataclass(frozen=True)
@@ -19,7 +18,7 @@ class JointPool:
     """Things sampled jointly: `groups` of one owner each, and the cross-owner relations between them."""
 
     groups: tuple[tuple[str, ...], ...]
-    rules: tuple[RelationIR, ...]
+    rules: tuple[SceneRelation, ...]
 
     @property
     def names(self) -> tuple[str, ...]:

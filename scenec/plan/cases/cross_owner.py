@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import RelationIR
 from scenec.plan.cases.cells import GrownCells, grown_cells, plan_cases
 from scenec.plan.cases.clip_cells import CLIP_STEPS_M, clip_cells
 from scenec.plan.cases.cross_owner_relations import (
@@ -32,13 +31,14 @@ from scenec.relations.table import RELATIONS
 from scenec.solve.model import SolverModel
 from scenec.solve.streams import stream
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import SceneRelation
 from schemas.scene.runtime_plan import PlanCase
 
 MOST_CROSS_OWNER_LOTS = 24
 
 
 def cross_owner_cases(
-    model: SolverModel, request: PoolRequest, groups: Sequence[Sequence[str]], rules: Sequence[RelationIR]
+    model: SolverModel, request: PoolRequest, groups: Sequence[Sequence[str]], rules: Sequence[SceneRelation]
 ) -> list[PlanCase]:
     """Cases for all things of the groups, each of one owner, in the order of their names; none where no layout
     satisfies the cross-owner `rules`."""

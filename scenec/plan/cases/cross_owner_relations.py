@@ -14,7 +14,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from scenec.ir.problem import RelationIR
 from scenec.plan.cases.clip_cells import Freedom, shift_of
 from scenec.plan.cases.motions import ROUND_M, ROUNDING, Motions, RelativePoses, sway, unevenness
 from scenec.plan.cases.pool_model import Layouts, PoolModel, floor_of
@@ -22,7 +21,7 @@ from scenec.relations.table import RELATIONS
 from scenec.solve.model import SolverModel
 from scenec.solve.shapes import Shape
 from schemas.arrays import BoolArray, FloatArray
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, SceneRelation
 
 
 @dataclass(frozen=True)
@@ -39,13 +38,13 @@ class CrossOwnerRelation:
     """A relation, its base, and the links that it depends on: things between the base and its members or its frame.
     `turning` are those whose yaw matters."""
 
-    rule: RelationIR
+    rule: SceneRelation
     base: str
     links: tuple[str, ...]
     turning: tuple[str, ...]
 
 
-def cross_owner_relation(model: SolverModel, rule: RelationIR) -> CrossOwnerRelation:
+def cross_owner_relation(model: SolverModel, rule: SceneRelation) -> CrossOwnerRelation:
     """Base and links of a relation across owners."""
     chains = [model.chains[name] for name in rule.things]
     meaning = RELATIONS[rule.kind]

@@ -24,8 +24,7 @@ from scenec.plan.cases.strip import strips
 from scenec.solve.model import SolverModel
 from scenec.solve.streams import stream
 from schemas.arrays import FloatArray
-from schemas.scene.geometry import ReachRing
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND, ReachRing
 from schemas.scene.runtime_plan import PlanCase
 
 FAMILIES = (("grid", grid), ("guillotine", guillotine), ("free_rectangle", free_rectangle), ("shelf", shelf))

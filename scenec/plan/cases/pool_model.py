@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from scenec.ir.problem import Placement, RelationIR, Thing
+from scenec.ir.problem import Placement, Thing
 from scenec.plan.cases.feasible import Feasible, feasible_on
 from scenec.plan.cases.rectangles import AxisOrder
 from scenec.relations.table import RELATIONS
@@ -24,6 +24,7 @@ from scenec.solve.planar import SLACK_M, hull_of, polygon
 from scenec.solve.search import fixed_pose_placements
 from scenec.solve.shapes import Shape
 from schemas.arrays import FloatArray, IntArray
+from schemas.scene.geometry import SceneRelation
 
 YAW_STEP = pi / 360.0
 GRAIN_M, GRAIN_RAD = 1e-6, 1e-6  # cells are stored in whole micrometres and microradians (schemas.scene.runtime_plan)
@@ -113,7 +114,7 @@ class PoolModel:
 
     members: tuple[Member, ...]
     clearance_m: float
-    rules: tuple[RelationIR, ...]
+    rules: tuple[SceneRelation, ...]
     model: SolverModel
 
     @property

@@ -7,9 +7,8 @@ from dataclasses import replace
 
 from benchmarks.scenes.workload import box_body, table, workload
 from scenec.analyse.interaction_graph import interaction_graph
-from scenec.ir.problem import Problem, RelationIR, Thing
-from schemas.scene.geometry import Domain
-from schemas.scene.program import BACKGROUND
+from scenec.ir.problem import Problem, Thing
+from schemas.scene.geometry import BACKGROUND, Domain, SceneRelation
 
 
 def pair(*, relation: bool, apart: bool) -> Problem:
@@ -20,7 +19,7 @@ def pair(*, relation: bool, apart: bool) -> Problem:
         Thing(name, box_body(name, 0.1, 0.1), BACKGROUND, table(), Domain(x_m=span), ("layout", "nodes", name))
         for name, span in zip(("a", "b"), ranges, strict=True)
     )
-    relations = (RelationIR("before", ("a", "b"), (0.0, 1.0), word="front_of"),) if relation else ()
+    relations = (SceneRelation("before", ("a", "b"), (0.0, 1.0), word="front_of"),) if relation else ()
     return replace(problem, things=things, relations=relations)
 
 

@@ -10,8 +10,8 @@ from shapely import Polygon
 
 from scenec.check import between_phases
 from scenec.emit.scene import compiled_scene
-from scenec.ir.problem import Problem, RelationIR
-from schemas.scene.geometry import ReachRing, ScenePlace
+from scenec.ir.problem import Problem
+from schemas.scene.geometry import ReachRing, ScenePlace, SceneRelation
 from tests.support.scene.problems import table_setting
 
 PROBLEM, PLACEMENTS = table_setting()
@@ -46,8 +46,8 @@ def test_a_whole_problem_passes_all():
         (of_body(prisms=()), "no collision geometry"),
         (of_body(quat_wxyz=(2.0, 0.0, 0.0, 0.0)), "no unit length"),
         (first(place=ScenePlace("flat", Polygon(), np.zeros(3))), "flat is no area"),
-        (replace(PROBLEM, relations=(RelationIR("near", (FIRST.name, "nobody")),)), "near speaks of nobody"),
-        (replace(PROBLEM, relations=(RelationIR("before", (FIRST.name,), (0.0, 0.0)),)), "no unit length"),
+        (replace(PROBLEM, relations=(SceneRelation("near", (FIRST.name, "nobody")),)), "near speaks of nobody"),
+        (replace(PROBLEM, relations=(SceneRelation("before", (FIRST.name,), (0.0, 0.0)),)), "no unit length"),
         (replace(PROBLEM, reach=ReachRing(np.zeros(3), 0.1, 0.5, ("nobody",), ())), "the reach names nobody"),
     ],
 )

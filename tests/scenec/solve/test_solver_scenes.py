@@ -11,12 +11,13 @@ from shapely import Point, box
 
 from benchmarks.scenes.workload import box_body, table
 from scenec.check.judge_scene import violations
-from scenec.ir.problem import Body, Exhausted, Problem, RelationIR, Solved, Thing
+from scenec.ir.problem import Body, Exhausted, Problem, Solved, Thing
 from scenec.solve import ComponentCache, solve
 from scenec.solve.check import invalid_things
 from scenec.solve.model import model_of
 from scenec.solve.search import SearchBudget, search
 from schemas.scene.geometry import (
+    BACKGROUND,
     Domain,
     FixedPose,
     KeepOutVolume,
@@ -24,16 +25,16 @@ from schemas.scene.geometry import (
     Prism,
     ReachRing,
     ScenePlace,
+    SceneRelation,
     Stance,
 )
-from schemas.scene.program import BACKGROUND
 
 
 def thing(name: str, body: Body, parent: str = BACKGROUND, place: ScenePlace | None = None, **domain) -> Thing:
     return Thing(name, body, parent, place or table(), Domain(**domain), ("layout", "nodes", name))
 
 
-def problem(*things: Thing, relations: tuple[RelationIR, ...] = (), **more) -> Problem:
+def problem(*things: Thing, relations: tuple[SceneRelation, ...] = (), **more) -> Problem:
     return Problem("test", None, np.eye(4), things, relations, 0.01, **more)
 
 
@@ -143,12 +144,12 @@ def test_every_kind_of_relation():
             *things,
             thing("e", box_body("e", 0.05, 0.05)),
             relations=(
-                RelationIR("before", ("a", "b"), (1.0, 0.0), gap_m=0.03),
-                RelationIR("near", ("c", "d"), gap_m=0.03),
-                RelationIR("far_from", ("a", "d"), gap_m=0.25),
-                RelationIR("aligned", ("a", "c"), (1.0, 0.0), tolerance=0.0),
-                RelationIR("facing", ("b", "d"), tolerance=0.0),
-                RelationIR("between", ("e", "a", "b"), tolerance=0.02),
+                SceneRelation("before", ("a", "b"), (1.0, 0.0), gap_m=0.03),
+                SceneRelation("near", ("c", "d"), gap_m=0.03),
+                SceneRelation("far_from", ("a", "d"), gap_m=0.25),
+                SceneRelation("aligned", ("a", "c"), (1.0, 0.0), tolerance=0.0),
+                SceneRelation("facing", ("b", "d"), tolerance=0.0),
+                SceneRelation("between", ("e", "a", "b"), tolerance=0.02),
             ),
         )
     )
@@ -157,7 +158,7 @@ def test_every_kind_of_relation():
 def test_a_relation_across_owners_is_kept_by_the_owners_or_jointly():
     body = tray()
     tray_thing, mug = thing("tray", body), thing("mug", cylinder("mug", 0.03), "tray", body.surfaces[0])
-    left = RelationIR("before", ("mug", "block"), (1.0, 0.0))
+    left = SceneRelation("before", ("mug", "block"), (1.0, 0.0))
     result = solved(problem(tray_thing, mug, thing("block", box_body("block", 0.1, 0.1)), relations=(left,)))
     assert result.placements["tray"].x_m + 0.15 <= result.placements["block"].x_m  # so it holds wherever the mug is
     # Behind the tray there is no room: only the mug itself can be left of the block.
@@ -169,14 +170,14 @@ def test_a_relation_across_owners_is_kept_by_the_owners_or_jointly():
 def test_relations_in_the_frame_of_a_tray_turn_with_it():
     body = tray()
     mugs = [thing(name, cylinder("mug", 0.03), "tray", body.surfaces[0]) for name in ("a", "b")]
-    order = RelationIR("before", ("a", "b"), (1.0, 0.0), 0.02, frame="tray")
+    order = SceneRelation("before", ("a", "b"), (1.0, 0.0), 0.02, frame="tray")
     solved(problem(thing("tray", body, yaw_rad=(2.0, 2.0)), *mugs, relations=(order,)))
 
 
 def test_components_tied_by_a_direction_share_a_coordinate_and_stay_apart():
     left = [thing(f"left{k}", box_body("box", 0.1, 0.08), x_m=(-0.5, -0.3)) for k in range(4)]
     right = [thing(f"right{k}", box_body("box", 0.1, 0.08), x_m=(0.3, 0.5)) for k in range(4)]
-    order = RelationIR("before", ("left0", "right0"), (0.0, 1.0))
+    order = SceneRelation("before", ("left0", "right0"), (0.0, 1.0))
     result = solved(problem(*left, *right, relations=(order,)))
     again = solved(problem(*left, *right[::-1], relations=(order,)))
     assert result == again

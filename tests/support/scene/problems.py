@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from shapely import box as rectangle
 
-from scenec.ir.problem import Body, Placement, Problem, RelationIR, Thing
-from schemas.scene.geometry import Domain, Prism, ScenePlace, Stance
-from schemas.scene.program import BACKGROUND, BoxAsset
+from scenec.ir.problem import Body, Placement, Problem, Thing
+from schemas.scene.geometry import BACKGROUND, Domain, Prism, ScenePlace, SceneRelation, Stance
+from schemas.scene.program import BoxAsset
 
 
 def box_body(name: str, x: float, y: float, z: float) -> Body:
@@ -31,7 +31,7 @@ def table_setting() -> tuple[Problem, dict[str, Placement]]:
         Thing("mug", box_body("mug", 0.08, 0.08, 0.1), "tray", inside, Domain(), ("layout", "nodes", "mug")),
         Thing("book", box_body("book", 0.2, 0.14, 0.03), BACKGROUND, top, Domain(), ("layout", "nodes", "book")),
     )
-    relation = RelationIR("before", ("book", "tray"), gap_m=0.02, path=("relations", 0), word="left_of")
+    relation = SceneRelation("before", ("book", "tray"), gap_m=0.02, path=("relations", 0), word="left_of")
     placements = {
         "tray": Placement(0.2, 0.0, np.pi / 2.0, 0),
         "mug": Placement(0.1, 0.05, 0.3, 0),

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from shapely import Polygon, box
 
-from scenec.ir.problem import Body, Problem, RelationIR, Thing
-from schemas.scene.geometry import Domain, Prism, ScenePlace, Stance
-from schemas.scene.program import BACKGROUND
+from scenec.ir.problem import Body, Problem, Thing
+from schemas.scene.geometry import BACKGROUND, Domain, Prism, ScenePlace, SceneRelation, Stance
 
 ANY = (-np.inf, np.inf)
 
@@ -44,8 +43,8 @@ def thing(
     return Thing(name, body, parent, place, Domain(x, y, yaw, (0,), fixed_poses, (*path, "placement", "ranges")), path)
 
 
-def left_of(number: int, one: str, two: str, gap: float = 0.0) -> RelationIR:
-    return RelationIR("before", (one, two), (1.0, 0.0), gap, path=("relations", number), word="left_of")
+def left_of(number: int, one: str, two: str, gap: float = 0.0) -> SceneRelation:
+    return SceneRelation("before", (one, two), (1.0, 0.0), gap, path=("relations", number), word="left_of")
 
 
 def problem(things, relations=(), clearance: float = 0.01, **rules) -> Problem:

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from shapely import box
 
-from scenec.ir.problem import Problem, RelationIR
-from schemas.scene.geometry import KeepOutVolume, ReachRing
+from scenec.ir.problem import Problem
+from schemas.scene.geometry import KeepOutVolume, ReachRing, SceneRelation
 from tests.support.scene.proof_problems import box_body, problem, table, thing
 
 CM = 0.01
@@ -83,19 +83,19 @@ def mixed_problem(seed: int) -> Problem:
     return problem(things, relations, float(rng.choice([0.0, 0.005, 0.01])), **rules)
 
 
-def _relation(rng: np.random.Generator, number: int, count: int) -> RelationIR:
+def _relation(rng: np.random.Generator, number: int, count: int) -> SceneRelation:
     one, two = (f"o{k}" for k in rng.choice(count, 2, replace=False))
     path = ("relations", number)
     kind = rng.choice(["before", "near", "far_from", "aligned", "facing"], p=[0.6, 0.1, 0.1, 0.1, 0.1])
     if kind == "before":
         direction = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)][rng.integers(4)]
-        return RelationIR("before", (one, two), direction, CM * int(rng.integers(0, 4)), path=path)
+        return SceneRelation("before", (one, two), direction, CM * int(rng.integers(0, 4)), path=path)
     if kind in ("near", "far_from"):
-        return RelationIR(kind, (one, two), gap_m=CM * int(rng.integers(1, 8)), path=path)
+        return SceneRelation(kind, (one, two), gap_m=CM * int(rng.integers(1, 8)), path=path)
     if kind == "aligned":
         direction = [(1.0, 0.0), (0.0, 1.0)][rng.integers(2)]
-        return RelationIR("aligned", (one, two), direction, tolerance=CM * int(rng.integers(0, 2)), path=path)
-    return RelationIR("facing", (one, two), tolerance=float(rng.choice([0.2, 0.5])), path=path)
+        return SceneRelation("aligned", (one, two), direction, tolerance=CM * int(rng.integers(0, 2)), path=path)
+    return SceneRelation("facing", (one, two), tolerance=float(rng.choice([0.2, 0.5])), path=path)
 
 
 def tray_problem(seed: int) -> Problem:
@@ -120,7 +120,7 @@ def tray_problem(seed: int) -> Problem:
         frame = str(rng.choice(frames)) if kind in ("before", "aligned") else "background"
         angle = float(rng.choice([0.0, np.pi / 2, 0.4]))
         relations.append(
-            RelationIR(
+            SceneRelation(
                 kind if kind != "between" or more else "near",  # pyright: ignore[reportArgumentType]
                 (one, two, more[0]) if kind == "between" and more else (one, two),
                 (float(np.cos(angle)), float(np.sin(angle))),
@@ -150,22 +150,22 @@ def word_problem(kind: str, seed: int) -> Problem:
     names = tuple(f"o{k}" for k in rng.permutation(count))
     path = ("relations", 0)
     if kind == "above":
-        relations = [RelationIR("above", names[:2], gap_m=CM * int(rng.integers(0, 6)), path=path)]
+        relations = [SceneRelation("above", names[:2], gap_m=CM * int(rng.integers(0, 6)), path=path)]
         if rng.random() < 0.5:
-            relations.append(RelationIR("near", names[:2], gap_m=0.0, path=path))
+            relations.append(SceneRelation("near", names[:2], gap_m=0.0, path=path))
     elif kind == "surrounding":
         even, off = 2.0 * np.pi / (count - 1), float(rng.choice([0.3, 0.6]))
         angle = (even - off, even + off) if rng.random() < 0.5 else (float(rng.uniform(0.7, 1.1)) * even, 2.0 * np.pi)
-        relations = [RelationIR("surrounding", names, path=path, angle_rad=angle)]
+        relations = [SceneRelation("surrounding", names, path=path, angle_rad=angle)]
         if rng.random() < 0.5:
             relations += [
-                RelationIR("near", (names[0], o), gap_m=CM * int(rng.integers(1, 3)) + OFF_GRID_M) for o in names[1:]
+                SceneRelation("near", (names[0], o), gap_m=CM * int(rng.integers(1, 3)) + OFF_GRID_M) for o in names[1:]
             ]
     else:
         direction = [(1.0, 0.0), (0.0, 1.0)][rng.integers(2)]
         spacing = CM * int(rng.integers(2, 8)) if rng.random() < 0.7 else 0.0
         tolerance = CM * int(rng.integers(0, 2)) + OFF_GRID_M
-        relations = [RelationIR("in_line", names, direction, spacing, tolerance, path=path)]
+        relations = [SceneRelation("in_line", names, direction, spacing, tolerance, path=path)]
     if rng.random() < 0.4:
         relations.append(_relation(rng, 1, count))
     return problem(things, relations, float(rng.choice([0.0, 0.01])))

@@ -13,7 +13,8 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.ir.problem import Problem, RelationIR, Thing
+from scenec.ir.problem import Problem, Thing
+from schemas.scene.geometry import SceneRelation
 
 Truth = Literal["yes", "no", "unclear"]
 MOST_POSES = 6000
@@ -161,7 +162,7 @@ def _pair(problem, one: Grid, two: Grid, p: np.ndarray, q: np.ndarray, index, re
     return ok
 
 
-def _holds(rule: RelationIR, steps, distance, ring, other, a, b, swapped, off, x_off, y_off, one, two, relaxed):
+def _holds(rule: SceneRelation, steps, distance, ring, other, a, b, swapped, off, x_off, y_off, one, two, relaxed):
     sign = -1.0 if swapped else 1.0
     first, second = (other, ring) if swapped else (ring, other)
     direction = np.array(rule.direction)
@@ -219,7 +220,7 @@ def _search(masks, allowed, done, poses, grids, joint, index, relaxed) -> bool:
     return False
 
 
-def _joint(rule: RelationIR, at: dict[int, np.ndarray], grids, index, relaxed: bool) -> np.ndarray:
+def _joint(rule: SceneRelation, at: dict[int, np.ndarray], grids, index, relaxed: bool) -> np.ndarray:
     """(m,) whether a relation of origins holds; `at` are origins (m, 2), or (1, 2) where all are the same."""
     numbers = [index[name] for name in rule.things]
     points = np.stack(np.broadcast_arrays(*(at[k] for k in numbers)))
@@ -235,7 +236,7 @@ def _joint(rule: RelationIR, at: dict[int, np.ndarray], grids, index, relaxed: b
     )
 
 
-def _in_line_pair(rule: RelationIR, steps: np.ndarray, one: Grid, two: Grid, relaxed: bool) -> np.ndarray:
+def _in_line_pair(rule: SceneRelation, steps: np.ndarray, one: Grid, two: Grid, relaxed: bool) -> np.ndarray:
     """(n,) whether two members may be so many steps apart, each in its own direction from the first."""
     count = rule.things.index(two.thing.name) - rule.things.index(one.thing.name)
     slip = np.array([one.x_off + two.x_off, one.y_off + two.y_off]) if relaxed else np.zeros(2)
@@ -244,7 +245,7 @@ def _in_line_pair(rule: RelationIR, steps: np.ndarray, one: Grid, two: Grid, rel
     return aside & _in_line_step(rule, steps if count > 0 else -steps, slip, abs(count))
 
 
-def _in_line_step(rule: RelationIR, steps: np.ndarray, slip: np.ndarray, count: int) -> np.ndarray:
+def _in_line_step(rule: SceneRelation, steps: np.ndarray, slip: np.ndarray, count: int) -> np.ndarray:
     direction = np.array(rule.direction)
     along, off = steps @ direction, slip @ abs(direction) + NOISE
     if rule.gap_m <= 0.0:
@@ -252,7 +253,7 @@ def _in_line_step(rule: RelationIR, steps: np.ndarray, slip: np.ndarray, count: 
     return abs(along - count * rule.gap_m) <= count * rule.tolerance + off
 
 
-def _surrounding(rule: RelationIR, points: np.ndarray, slips: np.ndarray) -> np.ndarray:
+def _surrounding(rule: SceneRelation, points: np.ndarray, slips: np.ndarray) -> np.ndarray:
     assert rule.angle_rad is not None
     least, most = rule.angle_rad
     steps = points[1:] - points[:1]
@@ -265,7 +266,7 @@ def _surrounding(rule: RelationIR, points: np.ndarray, slips: np.ndarray) -> np.
     return has_directions & fine
 
 
-def _between(rule: RelationIR, points: np.ndarray, slips: np.ndarray, relaxed: bool) -> np.ndarray:
+def _between(rule: SceneRelation, points: np.ndarray, slips: np.ndarray, relaxed: bool) -> np.ndarray:
     a, b, c = points
     line, step = c - b, a - b
     length = np.hypot(*line.T)
