@@ -24,6 +24,24 @@ layout:
     c: {object: block, placement: {type: surface, surface: top}}
     d: {object: block, placement: {type: surface, surface: top}}
 """
+CRATE = """\
+background: {asset: {type: box, size_m: [0.9, 0.6, 0.05]}}
+anchors:
+  top: {object: background}
+  lid: {object: crate}
+  inside: {object: background, volume: {outline: SQUARE, z: 0.05, height: 0.3}}
+objects:
+  - {id: crate, asset: {type: box, size_m: [0.3, 0.2, 0.12]}}
+  - {id: block, asset: {type: box, size_m: [0.06, 0.05, 0.08]}}
+layout:
+  nodes:
+    crate: {object: crate, placement: {type: surface, surface: top, ranges: {x: [-0.3, -0.2]}}}
+    a: {object: block, placement: {type: surface, surface: lid}}
+    b: {object: block, placement: {type: surface, surface: top, ranges: {x: [-0.4, 0.05]}}}
+    c: {object: block, placement: {type: volume, volume: inside}}
+    d: {object: block, placement: {type: volume, volume: inside}}
+"""
+SQUARE = "[[0.1, -0.1], [0.3, -0.1], [0.3, 0.1], [0.1, 0.1]]"
 # A relation that cannot hold, and the start of a suggestion that was compiled.
 IMPOSSIBLE = {
     "{above: [a, b], gap: 0.2}": "drop relations[0]",
@@ -52,6 +70,28 @@ def test_the_plan_of_the_small_program_draws_valid_scenes_that_differ(kind: str)
     drawn = sample(plan, 1000, 0)
     assert list(Judge(plan).violations(drawn)) == []
     assert (drawn.position_m[:, :, :2].std(axis=0) > 0.02).all()
+
+
+@pytest.mark.parametrize(
+    "relation",
+    [
+        "{above: [a, b], gap: 0.03}",
+        "{above: [a, c]}",
+        "{below: [c, d]}",
+        "{above: [c, d], overlap: true}",
+        "{above: [c, crate]}",
+    ],
+)
+def test_heights_on_a_crate_and_in_a_pile_hold_in_every_draw(relation: str, tmp_path: Path) -> None:
+    file = written(tmp_path, f"[{relation}]", CRATE.replace("SQUARE", SQUARE))
+    compiled = compile_program(file, diversity=0.1)
+    if relation == "{above: [c, crate]}":  # one block on another is lower than the crate
+        assert compiled.report.verdict in ("infeasible", "budget_exhausted")
+        return
+    assert compiled.report.verdict == "compiled", compiled.report.diagnostics
+    assert compiled.plan is not None
+    plan = prepare(compiled.plan)
+    assert list(Judge(plan).violations(sample(plan, 1000, 0))) == []
 
 
 @pytest.mark.parametrize("relation", IMPOSSIBLE)
