@@ -11,7 +11,8 @@ from runtime_plan.bodies import PhysicalBody, physical_body
 from runtime_plan.materials import with_material
 from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
-from schemas.scene.program import BACKGROUND, PairedMaterial
+from schemas.scene.geometry import BACKGROUND
+from schemas.scene.program import PairedMaterial
 from sim.port import ResetWorld
 
 Slot = tuple[str, int]  # a thing (or the background) and one of its bodies

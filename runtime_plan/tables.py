@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.arrays import FloatArray, IntArray
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 from schemas.scene.runtime_plan import PlanCase, PlanCombination, PlanStance, RuntimePlan
 
 MICRO = 1e-6
@@ -176,7 +176,7 @@ def _body_stances(plan: RuntimePlan) -> BodyStances:
 
 def _outline(stance: PlanStance) -> FloatArray:
     """Convex hull (v, 2) of all pieces, counter-clockwise (Andrew's monotone chain)."""
-    points = sorted({point for prism in stance.prisms for point in prism.outline_m})
+    points = sorted({(x, y) for prism in stance.prisms for x, y in prism.outline_m.tolist()})
     chains: list[list[tuple[float, float]]] = []
     for run in (points, points[::-1]):
         chain: list[tuple[float, float]] = []

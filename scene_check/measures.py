@@ -6,12 +6,11 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from geom.polygon_measures import distances
-from scene_check.model import TOLERANCE_M, CheckPlace
+from scene_check.model import TOLERANCE_M, PosedPlace
 from schemas.arrays import FloatArray, ObjectArray
 
 
-def to_place(points_W: FloatArray, place: CheckPlace) -> FloatArray:
+def to_place(points_W: FloatArray, place: PosedPlace) -> FloatArray:
     """Points (n, 2) of W in A."""
     return (points_W - place.origin_m[:2]) @ place.turn_WA
 

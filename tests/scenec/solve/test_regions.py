@@ -9,7 +9,8 @@ from shapely import LineString, MultiPolygon, Point, Polygon, box
 from shapely.geometry.base import BaseGeometry
 
 from scenec.solve.points import sample_point
-from scenec.solve.regions import eroded, half_plane
+from scenec.solve.region_geometry import half_plane
+from scenec.solve.regions import eroded
 
 SLIVER = Polygon([(0, 0), (1, 1e-17), (1, 2e-17)])
 

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from benchmarks.scenes.workload import sizes_and_pairs, workload
-from scenec.ir.problem import Domain, Placement
+from scenec.ir.problem import Placement
 from scenec.plan.cases.pool import FAMILIES
 from scenec.plan.cases.pool_model import pool_model_of
 from scenec.plan.cases.slots import SlotOptions, slot_options_of
 from scenec.solve.model import model_of
+from schemas.scene.geometry import Domain
 
 BOX_M, GAP_M = np.array([-0.6, 0.6, -0.4, 0.4]), 0.01
 

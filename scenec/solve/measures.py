@@ -1,23 +1,25 @@
-"""Evaluates relations for placed things: amount of violation in metres or radians, in the background's frame B."""
+"""Measures placed things in the background's frame B: extents, origins, distances, fronts, in metres and radians."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import atan2, cos, hypot, pi, sin
+from collections.abc import Iterable, Mapping
+from math import cos, pi, sin
 
 import numpy as np
+from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import RelationIR
-from scenec.solve.frames import pose_of, turned_direction
+from scenec.solve.frames import Pose2, pose_of, turned_direction
 from scenec.solve.placed import Placed, footprint_distance
-from scenec.solve.planar import polygon
+from scenec.solve.planar import hulls, polygon
+from scenec.solve.region_geometry import in_P, minkowski_sum_points
+from scenec.solve.shapes import ShapeAtYaw
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import SceneRelation
 
-NEAREST_M = 1e-5  # origins closer than this define no direction
 SLACK = 1e-9  # metres or radians, for rounding
 
 
-def direction_B(rule: RelationIR, assignment: Mapping[str, Placed]) -> tuple[float, float]:
+def direction_B(rule: SceneRelation, assignment: Mapping[str, Placed]) -> tuple[float, float]:
     """The direction of a relation in B; the thing that defines its frame must be placed."""
     return turned_direction(rule.direction, pose_of(rule.frame, assignment).yaw_rad)
 
@@ -42,6 +44,32 @@ def origin_B(placed: Placed, assignment: Mapping[str, Placed]) -> tuple[float, f
     return pose_of(placed.parent, assignment).point(placed.x_P_m, placed.y_P_m)
 
 
+def origins_B(names: Iterable[str], assignment: Mapping[str, Placed]) -> list[tuple[float, float]]:
+    """Asset origins of placed things in B, from above."""
+    return [origin_B(assignment[name], assignment) for name in names]
+
+
+def mates_P(
+    rule: SceneRelation, name: str, owner: Pose2, assignment: Mapping[str, Placed]
+) -> list[tuple[float, float]]:
+    """Origins of the other members of a relation in the frame P of the owner of one."""
+    return [owner.inverse_point(*point) for point in origins_B((n for n in rule.things if n != name), assignment)]
+
+
+def no_fit_of_mate(
+    rule: SceneRelation, name: str, turned: ShapeAtYaw, owner: Pose2, assignment: Mapping[str, Placed]
+) -> list[BaseGeometry]:
+    """Areas in P whose union is where the origin of a member may not lie if it must not meet the other member."""
+    (mate,) = (assignment[n] for n in rule.things if n != name)
+    return hulls(
+        [
+            minkowski_sum_points(in_P(outline, owner), mine)
+            for outline in outlines_B(mate, assignment)
+            for mine in turned.pieces
+        ]
+    )
+
+
 def distance(a: Placed, b: Placed, assignment: Mapping[str, Placed]) -> float:
     """Least distance (m) of two whole footprints on any owners."""
     if a.parent == b.parent:
@@ -59,6 +87,12 @@ def outlines_B(placed: Placed, assignment: Mapping[str, Placed]) -> list[FloatAr
     return [(piece + shift) @ turn_T + (owner.x_m, owner.y_m) for piece in placed.turned.pieces]
 
 
+def heights_B(placed: Placed, assignment: Mapping[str, Placed]) -> tuple[float, float]:
+    """Lowest and highest z in B of a placed thing, without what it carries."""
+    floor = pose_of(placed.parent, assignment).z_m + placed.base_P_m
+    return floor + placed.turned.shape.own_low_m, floor + placed.turned.shape.own_high_m
+
+
 def front_B(placed: Placed, assignment: Mapping[str, Placed]) -> float:
     """Heading of the asset's +x in B."""
     return pose_of(placed.parent, assignment).yaw_rad + placed.turned.yaw_rad + placed.turned.shape.front_rad
@@ -67,31 +101,3 @@ def front_B(placed: Placed, assignment: Mapping[str, Placed]) -> float:
 def wrapped(angle_rad: float) -> float:
     """An angle brought into [-pi, pi)."""
     return (angle_rad + pi) % (2 * pi) - pi
-
-
-def excess(rule: RelationIR, assignment: Mapping[str, Placed]) -> float:
-    """Violation of a relation: metres, or radians for facing; at most 0 where it holds. All things must be placed."""
-    members = [assignment[name] for name in rule.things]
-    if rule.kind == "before":
-        direction = direction_B(rule, assignment)
-        _, end = extent(members[0], direction, assignment)
-        begin, _ = extent(members[1], direction, assignment)
-        return end + rule.gap_m - begin
-    if rule.kind in ("near", "far_from"):
-        gap = distance(members[0], members[1], assignment) - rule.gap_m
-        return gap if rule.kind == "near" else -gap
-    points = [origin_B(placed, assignment) for placed in members]
-    if rule.kind == "aligned":
-        dx, dy = direction_B(rule, assignment)
-        across = [-dy * x + dx * y for x, y in points]
-        return max(across) - min(across) - rule.tolerance
-    if rule.kind == "facing":
-        if hypot(points[1][0] - points[0][0], points[1][1] - points[0][1]) < NEAREST_M:
-            return pi
-        heading = atan2(points[1][1] - points[0][1], points[1][0] - points[0][0])
-        return abs(wrapped(heading - front_B(members[0], assignment))) - rule.tolerance
-    (px, py), (ax, ay), (bx, by) = points  # between
-    length = max(hypot(bx - ax, by - ay), 1e-12)
-    ux, uy = (bx - ax) / length, (by - ay) / length
-    along, beside = (px - ax) * ux + (py - ay) * uy, abs((py - ay) * ux - (px - ax) * uy)
-    return max(-along, along - length, beside - rule.tolerance)
