@@ -183,7 +183,7 @@ class _Reading:
         anchor = X_BF[:3, :3] @ np.array(numbers(a, "pos", 3, (0.0,) * 3, self.file)) + X_BF[:3, 3]
         reference = numbers(a, "ref", 1, (0.0,), self.file)[0]
         reference = float(np.radians(reference)) if kind == "hinge" and self.degrees else reference
-        return MjJoint(name, kind, axis / np.linalg.norm(axis), anchor, reference)  # pyright: ignore[reportArgumentType]
+        return MjJoint(name, kind, axis / np.linalg.norm(axis), anchor, reference)
 
     def _geom(self, element: Any, a: Attributes, body: MjBody, X_BF: FloatArray) -> MjGeom:
         kind = a.get("type", "mesh" if a.get("mesh") else "sphere")
