@@ -9,7 +9,7 @@ from tests.support.source_tree import ROOT, TREES, python_files
 
 STRICT = ("schemas", "geom", "runtime_plan", "scene_check", "formats")
 # Lines with `pyright: ignore`; lower the number when lines go, never raise it.
-MOST_IGNORED_LINES = 44
+MOST_IGNORED_LINES = 36
 
 IGNORED_LINE = re.compile(r"# ?pyright: ?ignore")
 MYPY_IGNORE = re.compile(r"# ?type: ?ignore")

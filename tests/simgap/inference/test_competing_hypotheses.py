@@ -14,7 +14,7 @@ from simgap.inference.agreement import agree
 from simgap.inference.candidate_fit import ALPHA, CandidateFit, Screening, candidate_fit_on, ranked_screening
 from simgap.inference.competing_hypotheses import alternatives, as_good_with_confusable, is_beaten, replacement
 from simgap.inference.fit import Errors, Fit, extend, fit
-from simgap.inference.forward_selection import Accepted, Selection, _confirmed  # pyright: ignore[reportPrivateUsage]
+from simgap.inference.forward_selection import Accepted, Selection, _confirmed
 from simgap.inference.intervals import differs_from_none, distance_to_alternatives, symmetric, wider
 from simgap.inference.losses import Comparison, paired_p, paired_p_where_affected
 from simgap.inference.parametric_bootstrap import MethodBias

@@ -13,7 +13,7 @@ from schemas.measurement import MeasurementSpec
 from sim.effects.library import effect
 from simgap.inference.candidate_fit import CandidateFit, candidate_fit_on, ranked_screening, warm_start_without
 from simgap.inference.fit import Errors, extend, fit, resampling_units
-from simgap.inference.forward_selection import Accepted, _tested_again  # pyright: ignore[reportPrivateUsage]
+from simgap.inference.forward_selection import Accepted, _tested_again
 from simgap.inference.losses import compare
 from simgap.inference.parametric_bootstrap import MethodBias
 from simgap.inference.search_state import SearchState

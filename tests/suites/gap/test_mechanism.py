@@ -21,7 +21,7 @@ from tests.suites.gap import mujoco_truth, truth
 from tests.suites.gap.effects import EFFECTS
 from tests.suites.gap.mechanism_cases import family_of, mechanism_case
 from tests.suites.gap.run import run_case
-from tests.suites.gap.table import _risk_over_coverage, table  # pyright: ignore[reportPrivateUsage]
+from tests.suites.gap.table import _risk_over_coverage, table
 from tests.suites.gap.truth import Plant
 
 ROW_S = 5e-3

@@ -108,7 +108,7 @@ def _servo(late_loop: bool, late_reading: bool) -> MechanismProblem:
     plain = [_trial(f"t{k}", clock, held[:, None]) for k, (_, _, held) in enumerate(moved)]
     still = MechanismProblem(Measurement(spec, tuple(plain), Path("."), "servo", ("axis",)))
     applied = apply_terms(still.declared, ())
-    series = [still._logs[t.id].series for t in plain]  # pyright: ignore[reportPrivateUsage]
+    series = [still._logs[t.id].series for t in plain]
     windows = windows_of([(s, cut(len(s.t_s), None)) for s in series], applied)
     q, _ = rollout(still.declared, windows, largest_step_s=2.5e-4)
     read = [
