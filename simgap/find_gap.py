@@ -5,6 +5,8 @@ Start here to read the sim gap: `find_effects` calls every step of the pipeline 
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,6 +16,7 @@ from schemas.arrays import FloatArray
 from schemas.gap import (
     AppliedEffect,
     Baseline,
+    CandidateDecision,
     ConventionCheck,
     Estimate,
     Gain,
@@ -21,12 +24,14 @@ from schemas.gap import (
     Hypothesis,
     Localisation,
     ModelExtension,
+    Reason,
     Rival,
 )
 from simgap.baselines.all_effects import all_effects_losses
 from simgap.baselines.residual_regression import corrected
 from simgap.inference.agreement import agrees
 from simgap.inference.candidate_fit import Map
+from simgap.inference.decision import Decided, SearchDecision
 from simgap.inference.fit import robust_scale
 from simgap.inference.forward_selection import MOST_EFFECTS, Selection, select
 from simgap.inference.losses import Comparison, compare, trial_losses
@@ -78,9 +83,11 @@ def find_effects(
     mispaired = any(check.status == "suspect" for check in pairing_checks)
     short = _gain(last, selection, trials, "short_horizon", horizon_s)
     gains = (short, _gain(last, selection, trials, "full_rollout", 0.0))
-    verdict = judge(
+    judgement = judge(
         problem, selection, trials.train, gains, leftover, _heavy_tail_share(last, selection, trials), mispaired
     )
+    verdict = judgement.verdict
+    decisions = reported_decisions(selection.decisions, judgement.decisions)
     named = [e for e in verdict.effects if e.confidence >= NAMED]
     extension = ModelExtension(
         measurement=measurement,
@@ -104,6 +111,8 @@ def find_effects(
             Rival(name="black_box", heldout=float(box.mean())),
         ),
         ladder=_ablation(last, selection, trials),
+        decisions=decisions,
+        reason_counts=dict(sorted(Counter(d.reason for d in decisions).items())),
     )
     return SearchResult(report, extension, selection)
 
@@ -204,6 +213,29 @@ def _ablation(problem: Problem, selection: Selection, trials: Trials) -> tuple[R
     return (*steps, Rival(name="noise_floor", heldout=1.0))
 
 
+def reported_decisions(searched: Sequence[SearchDecision], judged: Sequence[Decided]) -> tuple[CandidateDecision, ...]:
+    """The decisions of the search and those on accepted effects after it, as the report lists them.
+
+    What passed the screening is listed by what the later steps of that round decided.
+    """
+    last = max((d.round_number for d in searched), default=0)
+    every = (*searched, *(SearchDecision(last, "judge", candidate, decision) for candidate, decision in judged))
+    return tuple(
+        CandidateDecision(
+            round_number=d.round_number,
+            step=d.step,
+            name=d.candidate.effect.name,
+            where=d.candidate.where,
+            kept=d.decision.kept,
+            reason=d.decision.reason,
+            beside=d.decision.beside,
+            criteria=d.decision.criteria,
+        )
+        for d in every
+        if d.step != "screen" or not d.decision.kept
+    )
+
+
 def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
     """All candidates of the first round, and those of later rounds that were accepted there; best first."""
     rows = []
@@ -212,6 +244,7 @@ def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
         for candidate_fit, p in zip(screening.fits, screening.p_adjusted, strict=True):
             if number > 0 and candidate_fit.candidate.key not in accepted:
                 continue
+            agreement = agrees(candidate_fit)
             units = {q.name: q.unit for q in candidate_fit.candidate.effect.parameters}
             direct = candidate_fit.direct
             rows.append(
@@ -232,7 +265,7 @@ def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
                     }
                     if direct
                     else {},
-                    direct_agrees=agrees(candidate_fit),
+                    direct_agrees=None if agreement.reason is Reason.NO_DIRECT_ESTIMATE else agreement.kept,
                 )
             )
     return tuple(rows)
