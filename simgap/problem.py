@@ -11,7 +11,7 @@ from typing import Literal, Protocol, runtime_checkable
 
 from schemas.arrays import FloatArray
 from schemas.gap import ConventionCheck, Place
-from sim.dynamics.hooks import Effect
+from sim.effects.effect import Effect
 
 View = Literal["short_horizon", "long_horizon", "full_rollout"]
 

@@ -13,7 +13,7 @@ from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.kinds.free_body.bootstrap import bootstrap_sample, simulated_motion
-from simgap.kinds.free_body.candidates import BOUNDS_ALPHA, DIRECTLY_MEASURED
+from simgap.kinds.free_body.candidates import BOUNDS_ALPHA
 from simgap.kinds.free_body.direct_estimates import agree_on_one_value, biases_of, estimate
 from simgap.kinds.free_body.toss import Toss
 from simgap.kinds.free_body.tossed_body import BodySimulator, Columns
@@ -157,7 +157,7 @@ class FreeBodyProblem:
 
     def _with_direct_value(self, term: Term, others: Model, trials: tuple[str, ...]) -> Term:
         candidate = term.candidate
-        if candidate.nuisance or candidate.effect.name not in DIRECTLY_MEASURED:
+        if candidate.nuisance or not candidate.effect.free_body.bounds_from_direct:
             return term
         direct = self._estimate_directly(candidate, others, trials)
         if direct is None or direct.p_value > BOUNDS_ALPHA or not agree_on_one_value(direct.separate_readings):

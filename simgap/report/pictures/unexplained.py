@@ -9,6 +9,7 @@ import numpy as np
 from render.figure import figure, png, style_axes
 from schemas.arrays import FloatArray
 from schemas.gap import Place
+from sim.effects.library import effect
 from simgap.kinds.mechanism.equation_error import balance
 from simgap.kinds.mechanism.logs import Log, log_of
 from simgap.kinds.mechanism.problem import MechanismProblem
@@ -18,15 +19,6 @@ from simgap.report.pictures.colours import EXTENDED, MEASURED
 
 _BINS = 40
 _MOST_POINTS = 4000
-_BY_POSITION = (
-    "joint.spring",
-    "joint.detent",
-    "joint.hard_stop",
-    "joint.axis_tilt",
-    "joint.gravity_load",
-    "sensor.scale",
-)
-_BY_INPUT = ("actuator.gain", "actuator.saturation", "actuator.deadband", "actuator.ripple")
 
 
 def unexplained(
@@ -63,9 +55,10 @@ def _feature(problem: MechanismProblem, logs: Sequence[Log], joint: int, name: s
     """Block means of the state that the effect depends on, and its words."""
     slides = problem.declared.tree[joint].prismatic
     given = next((c for c in ("effort", "command") if c in logs[0].series.columns), None)
-    if name in _BY_POSITION:
+    against = effect(name).plot_against
+    if against == "position":
         pick, words = (lambda log: log.series.columns["q"][:, joint]), f"position ({'m' if slides else 'rad'})"
-    elif name in _BY_INPUT and given is not None:
+    elif against == "input" and given is not None:
         pick, words = (lambda log: log.series.columns[given][:, joint]), f"{given} as logged"
     else:
         pick, words = (lambda log: log.series.columns["qd"][:, joint]), f"speed ({'m/s' if slides else 'rad/s'})"

@@ -10,7 +10,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from schemas.gap import EFFECT_NAMES
+from sim.effects.library import EFFECT_NAMES
 from simgap.inference.agreement import agree, with_fixed_shape
 from simgap.inference.forward_selection import select
 from simgap.kinds.mechanism.equation_error import smooth_means
