@@ -37,7 +37,7 @@ from simgap.inference.forward_selection import MOST_EFFECTS, Selection, select
 from simgap.inference.losses import Comparison, compare, trial_losses
 from simgap.inference.verdict import judge
 from simgap.inference.verdict_text import NAMED
-from simgap.problem import InputTimingProblem, LongHorizonProblem, Model, Problem, View, with_initial_states_at
+from simgap.problem import Model, Problem
 from simgap.recording.train_test_split import Trials
 from simgap.sanity.input_pairing import other_inputs_check, pairing_check
 
@@ -70,15 +70,15 @@ def find_effects(
 
     `quick` leaves out the baseline with all effects at once.
     """
-    others = other_inputs_check(problem, search_view(problem))
+    others = other_inputs_check(problem, problem.search_view)
     mixed_up = others is not None and others.status == "suspect"
-    selection = select(problem, trials, search_view(problem), each, 0 if mixed_up else MOST_EFFECTS)
-    last = with_initial_states_at(problem, selection.final.model)
+    selection = select(problem, trials, problem.search_view, each, 0 if mixed_up else MOST_EFFECTS)
+    last = problem.with_initial_states_at(selection.final.model)
     box = _black_box(last, selection, trials)
     leftover = compare(selection.final_losses, box)
-    pairing = pairing_check(last, selection.final.model, trials.train, search_view(problem))
+    pairing = pairing_check(last, selection.final.model, trials.train, problem.search_view)
     pairing_checks = [check for check in (others, pairing) if check is not None]
-    timing_check = last.timing_check() if isinstance(last, InputTimingProblem) else None
+    timing_check = last.timing_check()
     checks = (*checks, *pairing_checks, *([timing_check] if timing_check else []))
     mispaired = any(check.status == "suspect" for check in pairing_checks)
     short = _gain(last, selection, trials, "short_horizon", horizon_s)
@@ -117,20 +117,15 @@ def find_effects(
     return SearchResult(report, extension, selection)
 
 
-def search_view(problem: Problem) -> View:
-    """The view whose roll-outs decide which effects are accepted."""
-    return problem.search_view if isinstance(problem, LongHorizonProblem) else "short_horizon"
-
-
 def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
-    seen = with_initial_states_at(problem, selection.null.model)
-    losses = all_effects_losses(seen, selection.null.model, trials, search_view(problem), selection.scale)
+    seen = problem.with_initial_states_at(selection.null.model)
+    losses = all_effects_losses(seen, selection.null.model, trials, problem.search_view, selection.scale)
     return Rival(name="all_effects", heldout=float(losses.mean()))
 
 
 def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatArray:
     """Held-out losses of the final model with a black box on top of it."""
-    model, view = selection.final.model, search_view(problem)
+    model, view = selection.final.model, problem.search_view
     teach = problem.residuals(model, trials.train, view)
     judged = problem.residuals(model, trials.test, view)
     better = corrected(problem.features(trials.train, view), teach, problem.features(trials.test, view), judged)
@@ -142,9 +137,9 @@ def _heavy_tail_share(problem: Problem, selection: Selection, trials: Trials) ->
 
     Contacts make even correct roll-outs diverge: there, long tails are no evidence.
     """
-    if not isinstance(problem, LongHorizonProblem):
+    if problem.search_view != "long_horizon":
         return 0.0
-    model, view = selection.final.model, search_view(problem)
+    model, view = selection.final.model, problem.search_view
     level = robust_scale(problem, model, trials.train, view)
     loss = float(trial_losses(problem.residuals(model, trials.test, view), level).mean())
     return max(0.0, 1.0 - _NOISE_LOSS / max(loss, 1e-12))

@@ -28,7 +28,7 @@ from simgap.inference.hypothesis import Accepted
 from simgap.inference.losses import trial_losses
 from simgap.inference.screening import screen
 from simgap.inference.search_state import SearchState, refit_at
-from simgap.problem import Problem, View, with_initial_states_at
+from simgap.problem import Problem, View
 from simgap.recording.train_test_split import Trials
 
 MOST_EFFECTS = 4
@@ -109,7 +109,7 @@ def select(
     accepted, decided = with_rivals_beside_confusable(state, accepted)
     record(number, "compare", decided)
     accepted = tuple(replace(a, removed=_removed(state, a)) for a in accepted)
-    last = with_initial_states_at(problem, state.base.model)
+    last = problem.with_initial_states_at(state.base.model)
     scale = robust_scale(last, null.model, trials.train, view)
     null_losses, losses = (trial_losses(last.residuals(f.model, trials.test, view), scale) for f in (null, state.base))
     return Selection(null, null_losses, accepted, undecided, state.base, losses, scale, tuple(trail))

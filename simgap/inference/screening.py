@@ -24,7 +24,7 @@ from simgap.inference.decision import Decision, criterion, decide, either
 from simgap.inference.fit import Errors, Fit, extend, fit, promising_starts, robust_scale, rollout_errors
 from simgap.inference.losses import Comparison
 from simgap.inference.search_state import SearchState
-from simgap.problem import Candidate, LongHorizonProblem
+from simgap.problem import Candidate
 
 _FINALISTS = 6
 _DIRECT_FINALISTS = 3  # finalists by direct estimates
@@ -57,7 +57,7 @@ def _quick_fit(state: SearchState, errors: Errors, base: Fit) -> Callable[[Candi
 
     def tried(candidate: Candidate) -> CandidateFit:
         direct = state.problem.direct(candidate, base.model, state.trials.train)
-        if direct is None and isinstance(state.problem, LongHorizonProblem):
+        if direct is None and state.problem.search_view == "long_horizon":
             starts = [dict(candidate.start)]  # Its direct route scans the whole range and found no trace.
         elif direct is None:
             starts = promising_starts(errors, base, candidate)

@@ -28,6 +28,7 @@ class RigidBodySimulator:
     state = ("p", "quat_wxyz", "v_W", "w_B")
     read = ("p", "quat_wxyz")
     channels = ("position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z")
+    channel_units = ("m", "m", "m", "rad", "rad", "rad")
 
     def __init__(self, declared: BodyModel, engine: BodyRollout) -> None:
         self.declared, self.engine = declared, engine

@@ -20,7 +20,7 @@ from simgap.kinds.impact.candidates import candidates_of, nuisances_of
 from simgap.kinds.impact.direct_estimates import estimate
 from simgap.kinds.impact.jacobian_signs import oriented
 from simgap.kinds.impact.model import build_body, changed, predicted
-from simgap.problem import Candidate, DirectEstimate, Model, View
+from simgap.problem import Candidate, DirectEstimate, Model, Problem, View
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Impacts
 from simgap.recording.train_test_split import Trials
@@ -29,7 +29,7 @@ _MOST_TRIALS = 60
 _NEIGHBOURS = 10
 
 
-class ImpactProblem:
+class ImpactProblem(Problem):
     """A rigid impact law against velocities after the impact; direct estimates from impulses."""
 
     horizon_s = 0.0
@@ -59,6 +59,14 @@ class ImpactProblem:
     def channels(self) -> tuple[str, ...]:
         """Velocity of the tracked point and turning rate after the impact."""
         return ("velocity_x", "velocity_y", "rate")
+
+    def channel_units(self) -> tuple[str, ...]:
+        """See `simgap.problem.Problem`."""
+        return ("m/s", "m/s", "rad/s")
+
+    def as_events(self) -> ImpactProblem:
+        """See `simgap.problem.Problem`."""
+        return self
 
     def candidates(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`. Mass leaves no trace: only its ratio to the inertia acts in an impact."""

@@ -19,7 +19,7 @@ from simgap.kinds.push.footprint import even_points, outlines, vertices_of
 from simgap.kinds.push.model import PushModel, changed
 from simgap.kinds.push.records import PATH_STEPS, STEADY_FROM_SHARE, Records, end_distance, record, upright
 from simgap.kinds.push.sliding import plane_rotations, simulate_pushes
-from simgap.problem import Candidate, DirectEstimate, Model, View
+from simgap.problem import Candidate, DirectEstimate, Model, Problem, View
 from simgap.recording.read import Measurement
 
 _LEAST_M, _LEAST_N = 1e-5, 1e-3
@@ -28,7 +28,7 @@ _LEVEL = 0.02  # largest slope of the support, rad
 _TILTED = 0.2  # largest tilt of the tracked axes, rad
 
 
-class PushProblem:
+class PushProblem(Problem):
     """Quasi-static pushing against the pose after and the steady force; direct estimates from forces and moves."""
 
     horizon_s = 0.0
@@ -55,6 +55,14 @@ class PushProblem:
         """Move and turn by the push and mean steady force, axes of the body before the push."""
         pose = ("position_x", "position_y", "rotation")
         return (*pose, "force_x", "force_y") if self._has_force else pose
+
+    def channel_units(self) -> tuple[str, ...]:
+        """See `simgap.problem.Problem`."""
+        return ("m", "m", "rad", "N", "N")[: len(self.channels())]
+
+    def as_events(self) -> PushProblem:
+        """See `simgap.problem.Problem`."""
+        return self
 
     def candidates(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`. Without forces the resistance of the support is unknown."""
