@@ -21,7 +21,6 @@ from simgap.case import Case, case_of, convention_checks_of
 from simgap.extension.extension import terms_of
 from simgap.find_gap import SearchResult, find_effects
 from simgap.inference.candidate_fit import CandidateFit, Map
-from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.problem import Candidate
 from simgap.recording.read import Measurement, read
 from simgap.report.html import PAGE, PICTURES, REPORT, render_page
@@ -158,10 +157,11 @@ def _pictures(case: Case, result: SearchResult) -> dict[str, bytes]:
         "overlay.png": overlay(declared[at], extended[at] if extended else None, channel, unit),
         "ladder.png": ablation(result.report.ladder),
     }
-    if result.selection.accepted and isinstance(problem, MechanismProblem):
+    mechanism = problem.declared_mechanism()
+    if result.selection.accepted and mechanism is not None:
         best = result.selection.accepted[0].candidate_fit.candidate
         ids = (*case.trials.train, *case.trials.test)
-        picture = unexplained(problem, case.measurement, final, best.effect.name, best.where, ids)
+        picture = unexplained(mechanism, case.measurement, final, best.effect.name, best.where, ids)
         drawn |= {"unexplained.png": picture} if picture else {}
     return drawn
 
