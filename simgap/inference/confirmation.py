@@ -56,7 +56,7 @@ def confirm(state: SearchState, screening: Screening) -> Confirmation:
 
 
 def _after(accepted: CandidateFit, rank: int, rank_of_other: int) -> Decision:
-    """Why a significant candidate is not tested further: another was accepted, and the next round asks anew."""
+    """Another candidate was accepted first: a significant one is not tested further before the next round."""
     later = criterion("rank among significant candidates", rank_of_other, "<=", rank)
     return decide([(Reason.ACCEPTED_AFTER, later)], beside=place_name(accepted.candidate))
 

@@ -40,7 +40,7 @@ LEFTOVER = 0.1  # what a model without names may still explain before we say tha
 
 
 @dataclass(frozen=True)
-class Judgement:
+class JudgedSelection:
     """A verdict with the decisions behind it: per accepted effect that it is named, or each reason for doubt."""
 
     verdict: Verdict
@@ -55,7 +55,7 @@ def judge(
     leftover: Comparison,
     tails: float = 0.0,
     strange: bool = False,
-) -> Judgement:
+) -> JudgedSelection:
     """The verdict over all accepted effects, with its `gains`, that of short horizons first.
 
     `leftover` is what a black box gains on top of them; `tails` is the share of its loss that lies in tails longer than
@@ -111,7 +111,7 @@ def judge(
         ambiguous_groups=tuple(groups),
         statement=statement(gains, named, groups, unexplained) if not strange else STRANGE,
     )
-    return Judgement(verdict, tuple(decisions))
+    return JudgedSelection(verdict, tuple(decisions))
 
 
 @dataclass(frozen=True)

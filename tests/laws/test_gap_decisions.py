@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 
 from schemas.gap import Reason
 from tests.support.source_tree import ROOT, parsed, python_files
 
 INFERENCE, KINDS = ROOT / "simgap" / "inference", ROOT / "simgap" / "kinds"
+REFERENCE = ROOT / "docs" / "reference" / "gap-output.md"
 # Facts that the library or a declaration states about two candidates; no measurement decides them.
 LOOKUPS = {"are_confusable", "is_twin"}
 QUESTIONS_OF_KIND = {"isinstance", "issubclass", "hasattr", "runtime_checkable"}
@@ -29,6 +31,12 @@ def test_every_reason_is_given_by_the_inference() -> None:
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "Reason"
     }
     assert used == {reason.name for reason in Reason}
+
+
+def test_the_reference_lists_every_reason() -> None:
+    """In the order of the class, one row each."""
+    rows = re.findall(r"^\| `([^`]+)` \| [^|]+ \| [^|]+ \|$", REFERENCE.read_text(), re.MULTILINE)
+    assert [row for row in rows if row in set(Reason)] == [reason.value for reason in Reason]
 
 
 def test_the_inference_never_asks_of_which_class_a_value_is() -> None:

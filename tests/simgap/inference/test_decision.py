@@ -60,10 +60,10 @@ def report(request: pytest.FixtureRequest) -> GapReport:
     case = mechanism_case(request.param)
     problem = case.problem()
     trials = split_trials(case.spec, problem.trial_ids)
-    found = find_effects(problem, trials, measurement=case.name, horizon_s=0.0, quick=True)
+    result = find_effects(problem, trials, measurement=case.name, horizon_s=0.0, quick=True)
     keys = {(c.effect.name, str(c.where)) for c in problem.candidates()}
-    assert {(d.name, str(d.where)) for d in found.report.decisions} == keys
-    return GapReport.model_validate_json(found.report.model_dump_json())
+    assert {(d.name, str(d.where)) for d in result.report.decisions} == keys
+    return GapReport.model_validate_json(result.report.model_dump_json())
 
 
 def contradictions(report: GapReport) -> list[str]:
