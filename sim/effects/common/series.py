@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
@@ -34,3 +35,20 @@ def held_at(t_s: FloatArray, values: FloatArray, when_s: FloatArray) -> FloatArr
 def read_at(t_s: FloatArray, values: FloatArray, when_s: FloatArray) -> FloatArray:
     """Columns (n, k) of a smooth motion at other times, linear between rows, held beyond the ends."""
     return np.stack([np.interp(when_s, t_s, column) for column in values.T], axis=1)
+
+
+def low_passed(t_s: FloatArray, values: FloatArray, time_constant_s: float) -> FloatArray:
+    """First-order answer at each row to columns (n, k) that are straight between rows, and straight before the first.
+
+    time_constant_s * d(answer)/dt = value - answer, solved exactly in each interval.
+    """
+    if time_constant_s <= 0.0 or len(t_s) < 2:
+        return values
+    spans = np.diff(t_s)[:, None]
+    slopes = np.divide(np.diff(values, axis=0), spans, out=np.zeros_like(values[1:]), where=spans > 0.0)
+    fades = np.exp(-spans / time_constant_s)
+    # On a straight line the answer settles behind it by time constant times slope; what is left of the start fades.
+    settled_from, settled_to = values[:-1] - time_constant_s * slopes, values[1:] - time_constant_s * slopes
+    rows = np.concatenate([settled_from[:1], settled_to - fades * settled_from])
+    bands = np.stack([np.ones(len(t_s)), np.append(-fades[:, 0], 0.0)])
+    return np.asarray(solve_banded((1, 0), bands, rows))
