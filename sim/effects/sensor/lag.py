@@ -16,7 +16,9 @@ _BESIDE = 0.25  # of the time constant, to either side of a row: the mean rate o
 
 
 def _report(series: Series, params: Params, where: Place) -> Series:
-    return with_columns(series, _READ, lambda true: low_passed(series.t_s, true, params["time_constant_s"]))
+    return with_columns(
+        series, _READ, lambda true: low_passed(series.t_s[None], true[None], params["time_constant_s"])[0]
+    )
 
 
 def _recover(series: Series, params: Params, where: Place) -> Series:
@@ -41,6 +43,10 @@ def _recover(series: Series, params: Params, where: Place) -> Series:
     return with_columns(recovered, ("reading",), lambda reading: reading + shift)
 
 
+def _follow(t_s: FloatArray, q: FloatArray, start: FloatArray, params: Params) -> FloatArray:
+    return low_passed(t_s, q, params["time_constant_s"], start)
+
+
 EFFECT = Effect(
     name="sensor.lag",
     kinds=("mechanism", "tracking"),
@@ -54,6 +60,6 @@ EFFECT = Effect(
         Confusable("actuator.delay", "move at several frequencies: a delay makes nothing smaller"),
         Confusable("joint.armature", "let the joint swing with the drive off"),
     ),
-    hook=SensorMap(_report, _recover),
+    hook=SensorMap(_report, _recover, follow=_follow),
     mechanism=MechanismCandidacy(observable=lambda r: r.driven),
 )

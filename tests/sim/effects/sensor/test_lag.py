@@ -71,4 +71,17 @@ def test_without_a_lag_nothing_changes():
     t_s = stamps(True)
     series = Series(t_s, tone(t_s, 1.0, 0.3))
     for change in (HOOK.report, HOOK.recover):
-        assert change(series, {"time_constant_s": 0.0}, Place()).columns["q"] is series.columns["q"]
+        same = change(series, {"time_constant_s": 0.0}, Place())
+        np.testing.assert_array_equal(same.columns["q"], series.columns["q"])
+
+
+def test_readings_in_windows_go_on_from_the_first_ones():
+    """Two windows of one long record, cut at rows where its readings are known."""
+    assert isinstance(HOOK, SensorMap)
+    assert HOOK.follow is not None
+    t_s = stamps(True)
+    truth = tone(t_s, 1.0, 0.3)["q"]
+    read = HOOK.report(Series(t_s, {"q": truth}), LATE, Place()).columns["q"]
+    rows = np.array([100, 700])[:, None] + np.arange(300)
+    followed = HOOK.follow(t_s[rows], truth[rows], read[rows[:, 0]], LATE)
+    np.testing.assert_allclose(followed, read[rows], atol=1e-12)
