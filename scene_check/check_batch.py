@@ -15,6 +15,7 @@ import shapely
 from shapely import Polygon
 
 from geom.planar import front_of
+from geom.polygon_measures import distances
 from scene_check import Violation, check
 from scene_check.batch import BatchPoses, SceneRules, ThingRule, scene_at
 from scene_check.model import TOLERANCE_M, TURN

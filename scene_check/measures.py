@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
+from geom.polygon_measures import distances
 from scene_check.model import TOLERANCE_M, PosedPlace
 from schemas.arrays import FloatArray, ObjectArray
 

@@ -1,7 +1,7 @@
 """Write every generated page of the documentation: `python -m cli.docs` (or `make docs`).
 
-The pages come from tables in the code: diagnostic codes, rules of the gate, effects, source formats, relations. `generated_pages`
-is the whole list; a test compares it with the files in `docs/`.
+The pages come from tables in the code: diagnostic codes, rules of the gate, effects, source formats, relations.
+`generated_pages` is the whole list; a test compares it with the files in `docs/`.
 """
 
 from __future__ import annotations

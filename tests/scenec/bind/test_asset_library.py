@@ -19,7 +19,7 @@ from geom.pose import matrix_of, pose
 from scenec.bind.asset_library import AssetLibrary, swing_and_yaw
 from scenec.bind.prisms import prisms_between, scaled, stance_of
 from schemas.diagnostics import InvalidInput
-from schemas.physics import CollisionShape
+from schemas.physics import CollisionShape, ShapeKind
 from schemas.scene.geometry import Stance
 from schemas.scene.program import AuthoredPolygon, BoxAsset, CylinderAsset, FixedAsset
 from tests.support.scene import library as scene_library

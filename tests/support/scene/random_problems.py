@@ -10,7 +10,7 @@ from shapely import box
 
 from scenec.ir.problem import Problem
 from schemas.scene.geometry import KeepOutVolume, ReachRing, SceneRelation
-from tests.support.scene.proof_problems import box_body, problem, table, thing
+from tests.support.scene.proof_problems import ANY, box_body, problem, table, thing
 
 CM = 0.01
 OFF_GRID_M = 0.006  # so that no bound is met exactly, in a single pose

@@ -85,7 +85,6 @@ def _poses_kept(problem: Problem, grids: list[Grid], relaxed: bool) -> list[np.n
     masks = []
     for grid in grids:
         off = grid.off if relaxed else 0.0
-        assert isinstance(grid.thing.place, Surface)
         west, south, east, north = grid.thing.place.polygon.bounds
         mask = np.ones(len(grid.poses), bool)
         for k, yaw in enumerate(grid.yaws):
