@@ -8,7 +8,6 @@ import traceback
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from assetkit import array_files
 from assetkit.acceptance.targeted_repair import COLLIDER_FAILURES, repair_until_accepted
 from assetkit.annotate.multimodal import UNREACHABLE
 from assetkit.batch.decisions import decision_findings
@@ -33,6 +32,7 @@ from jobs.cache import Cache, content_key, write_atomically
 from jobs.versions import library_versions
 from schemas.asset import RepeatedPass
 from schemas.diagnostics import Diagnostic, finding
+from schemas.files import array_files
 from schemas.outcome import EndpointUse, ItemOutcome, Outcome, Repair
 from schemas.report import ReportItem
 from sim.port import Simulator

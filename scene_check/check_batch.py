@@ -254,7 +254,7 @@ def _fronts(rules: SceneRules, poses: BatchPoses, i: int) -> FloatArray:
 def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: KeepOutVolume) -> BoolArray:
     """(n,) True where an object may be over a keep-out."""
     owner = rules.number.get(rule.parent)
-    exempt = set() if owner is None else {owner} | _owners(rules, owner)
+    exempt: set[int] = set() if owner is None else {owner} | _owners(rules, owner)
     bad = np.zeros(len(footprints.low_m), dtype=bool)
     for i in range(len(rules.things)):
         if i in exempt:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 
+from geom.polygon_measures import distances
 from scene_check.measures import polygons
 from scene_check.model import TOLERANCE_M, CheckObject, Violation
 from schemas.arrays import BoolArray, FloatArray
@@ -85,7 +86,7 @@ def _distance(items: list[CheckObject]) -> float:
 
 def _hull_distance(members: BatchMembers) -> FloatArray:
     outline_a, outline_b = (shapely.polygons(hull) for hull in members.hulls)
-    return np.asarray(shapely.distance(outline_a, outline_b))
+    return distances(outline_a, outline_b)
 
 
 def _near(relation: SceneRelation, items: list[CheckObject]) -> Measured:

@@ -19,7 +19,9 @@ def entered_keep_out(
     """Objects that enter a keep-out of a place, each with the depth of its deepest part."""
     floor = float(place.origin_m[2])
     owner = by_name.get(place.owner)
-    exempt = {place.owner} | (set() if owner is None else owners_of(owner, by_name))
+    exempt: set[str] = {place.owner}
+    if owner is not None:
+        exempt |= owners_of(owner, by_name)
     inner = rule.polygon.buffer(-TOLERANCE_M, join_style="mitre")
     for item in scene.objects:
         if item.name in exempt:

@@ -19,11 +19,11 @@ from manifold3d import Manifold  # noqa: E402
 import assetkit.pipeline  # noqa: E402
 import assetkit.readers  # noqa: E402
 import render.views  # noqa: E402, F401
-from assetkit import array_files  # noqa: E402
 from gate.external_validators import external_verdicts  # noqa: E402
 from geom.mesh.surface_distance import NearestOnSurface  # noqa: E402
 from jobs.versions import library_versions  # noqa: E402
 from render.request import RenderRequest  # noqa: E402
+from schemas.files import array_files  # noqa: E402
 from sim.named_engine import load_engine  # noqa: E402
 from usdio.read.asset import read_stage  # noqa: E402, F401
 

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from assetkit import array_files
 from assetkit.storage import require_storage
 from jobs.cell import Limits
 from jobs.warm import run_module
 from render.drawn_grasp import DrawnGrasp
 from render.request import RenderRequest
 from schemas.arrays import IntArray
+from schemas.files import array_files
 from schemas.model import Model
 from schemas.parts import Part
 from schemas.physics import CollisionShape

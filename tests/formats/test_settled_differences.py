@@ -18,6 +18,7 @@ from formats import link_mass, read_mjcf, read_urdf
 from schemas.diagnostics import InvalidInput
 from schemas.robot_description import DescribedJoint, DescribedShape, JointLimits, Mimic, RobotDescription
 from tests.support.bad_inputs.robot import AB, Files, inertial, joint, link, mjcf, shape, urdf, write
+from tests.support.present import present
 
 Holds = Callable[[RobotDescription], object]
 
@@ -161,7 +162,7 @@ CASES: Mapping[str, Case] = {
         "replay/unsupported-model",
         "-",
         None,
-        lambda d: moving(d).kind == "ball" and np.isclose(moving(d).limits.upper, np.pi / 2),
+        lambda d: moving(d).kind == "ball" and np.isclose(present(moving(d).limits).upper, np.pi / 2),
     ),
     "MJCF freejoint": Case(
         mjcf('<body name="a"><freejoint/><geom size="1"/></body>'),
@@ -267,7 +268,7 @@ CASES: Mapping[str, Case] = {
         "replay/invalid-value",
         "read",
         None,
-        lambda d: one_shape(d).problem.code == "robot/invalid-size",
+        lambda d: present(one_shape(d).problem).code == "robot/invalid-size",
         ("robot/invalid-size",),
     ),
     "URDF shape of an unknown kind": Case(
@@ -275,7 +276,7 @@ CASES: Mapping[str, Case] = {
         "replay/unsupported-model",
         "ValueError in simulation",
         None,
-        lambda d: one_shape(d).problem.code == "robot/unsupported-shape",
+        lambda d: present(one_shape(d).problem).code == "robot/unsupported-shape",
         ("robot/unsupported-shape",),
     ),
     "URDF mesh in a package": Case(
@@ -322,7 +323,7 @@ CASES: Mapping[str, Case] = {
         "read",
         "read",
         None,
-        lambda d: one_shape(d).mesh.scale == (1.0, -1.0, 2.0),
+        lambda d: present(one_shape(d).mesh).scale == (1.0, -1.0, 2.0),
     ),
     "MJCF mesh folder": Case(
         mjcf('<geom type="mesh" mesh="a"/>', '<compiler meshdir="m"/><asset><mesh file="a.obj"/></asset>')
@@ -349,21 +350,21 @@ CASES: Mapping[str, Case] = {
         "replay/unsupported-model",
         "-",
         None,
-        lambda d: one_shape(d).mesh.reference_position_m == (1.0, 0.0, 0.0),
+        lambda d: present(one_shape(d).mesh).reference_position_m == (1.0, 0.0, 0.0),
     ),
     "MJCF mesh in the model": Case(
         mjcf('<geom type="mesh" mesh="a"/>', '<asset><mesh name="a" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>'),
         "replay/unsupported-model",
         "-",
         None,
-        lambda d: one_shape(d).mesh.vertices.shape == (4, 3),
+        lambda d: present(present(one_shape(d).mesh).vertices).shape == (4, 3),
     ),
     "MJCF primitive fitted to a mesh": Case(
         mjcf('<geom type="box" mesh="a"/>', '<asset><mesh file="a.obj"/></asset>') | {"a.obj": OBJ},
         "replay/unsupported-model",
         "-",
         None,
-        lambda d: one_shape(d).problem.code == "robot/unsupported-shape",
+        lambda d: present(one_shape(d).problem).code == "robot/unsupported-shape",
         ("robot/unsupported-shape",),
     ),
     "MJCF geom with a mesh and no type": Case(
@@ -394,7 +395,7 @@ CASES: Mapping[str, Case] = {
         "read",
         "-",
         None,
-        lambda d: one_shape(d).problem.code == "robot/invalid-size",
+        lambda d: present(one_shape(d).problem).code == "robot/invalid-size",
         ("robot/invalid-size",),
     ),
     # Masses.
@@ -438,7 +439,7 @@ CASES: Mapping[str, Case] = {
         "read",
         "-",
         None,
-        lambda d: link_mass(d.links[1]).mass_kg == 3.0,
+        lambda d: present(link_mass(d.links[1])).mass_kg == 3.0,
     ),
     "MJCF inertiafromgeom": Case(
         mjcf(
@@ -448,7 +449,7 @@ CASES: Mapping[str, Case] = {
         "read",
         "-",
         None,
-        lambda d: link_mass(d.links[1]).mass_kg == 5.0,
+        lambda d: present(link_mass(d.links[1])).mass_kg == 5.0,
     ),
     "MJCF balanceinertia": Case(
         mjcf(HINGE.format(""), '<compiler balanceinertia="true"/>'),

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapely import box
+from shapely import Polygon, box
 
 from scene_check import check
 from scene_check.batch import BatchPoses, SceneRules, ThingRule, scene_at
@@ -39,7 +39,7 @@ def form(*prisms: Prism, stance: int = 0, height: float = 0.0) -> tuple[int, Sta
     return stance, Stance(UPRIGHT, prisms, height)
 
 
-HOLED = box(-0.5, -0.4, 0.5, 0.4) - box(0.3, 0.2, 0.4, 0.3)
+HOLED = Polygon(box(-0.5, -0.4, 0.5, 0.4).exterior, [box(0.3, 0.2, 0.4, 0.3).exterior])
 TABLE = ScenePlace("top", HOLED, np.array([0.0, 0.0, 0.7]))
 TRAY = ScenePlace(
     "top",

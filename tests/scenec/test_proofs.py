@@ -122,7 +122,8 @@ def test_things_that_may_be_stacked_are_not_counted_side_by_side():
 
 
 def test_near_and_far_contradict():
-    near = [SceneRelation("near", pair, gap_m=0.05, path=("relations", k)) for k, pair in enumerate(["ab", "bc"])]
+    pairs = (("a", "b"), ("b", "c"))
+    near = [SceneRelation("near", pair, gap_m=0.05, path=("relations", k)) for k, pair in enumerate(pairs)]
     far = SceneRelation("far_from", ("a", "c"), gap_m=0.3, path=("relations", 2))
     proof = prove_cheaply(three(*near, far))
     assert proof is not None

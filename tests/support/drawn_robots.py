@@ -17,7 +17,9 @@ from schemas.robot_description import (
     DescribedLink,
     DescribedMaterial,
     DescribedShape,
+    DescribedShapeKind,
     Inertial,
+    JointKind,
     JointLimits,
     MeshReference,
     Mimic,
@@ -63,7 +65,8 @@ def inertials(draw: st.DrawFn) -> Inertial:
 
 @st.composite
 def shapes(draw: st.DrawFn, form: Format, k: int) -> DescribedShape:
-    kinds = ["box", "sphere", "cylinder", "capsule", "mesh"] + (["ellipsoid", "plane"] if form == "mjcf" else [])
+    kinds: list[DescribedShapeKind] = ["box", "sphere", "cylinder", "capsule", "mesh"]
+    kinds += ["ellipsoid", "plane"] if form == "mjcf" else []
     kind = draw(st.sampled_from(kinds))
     count = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "mesh": 0, "ellipsoid": 3, "plane": 2}[kind]
     material = draw(st.none() | st.builds(DescribedMaterial, st.just(f"m{k}"), colors))
@@ -103,7 +106,7 @@ def meshes(draw: st.DrawFn, form: Format, k: int) -> MeshReference:
 
 @st.composite
 def joints(draw: st.DrawFn, form: Format, name: str, parent: str, child: str) -> DescribedJoint:
-    kinds = ["fixed", "revolute", "continuous", "prismatic", "ball"]
+    kinds: list[JointKind] = ["fixed", "revolute", "continuous", "prismatic", "ball"]
     kinds += ["planar", "floating"] if form == "urdf" else ["floating"] * (parent == WORLD_LINK)
     kind = draw(st.sampled_from(kinds))
     X_PC = draw(poses())

@@ -11,7 +11,7 @@ from urllib.parse import unquote
 from pxr import Ar
 
 from schemas.diagnostics import Location
-from schemas.references import expected_path, resolve_reference
+from schemas.files.references import expected_path, resolve_reference
 from usdio.read.usdz import check_package
 
 
@@ -62,7 +62,7 @@ class AssetLocation:
     def resolve(self, uri: str, *, prim: str | None = None) -> AssetLocation | None:
         """The file that a reference in this file names, or None when there is none.
 
-        Raises InvalidInput as `schemas.references.resolve_reference` does, and, for a USDZ target, as `check_package`.
+        Raises InvalidInput as `schemas.files.references.resolve_reference` does, and, for a USDZ target, as `check_package`.
         """
         where = self.where(prim=prim)
         outer, inner = Ar.SplitPackageRelativePathOuter(uri) if Ar.IsPackageRelativePath(uri) else (uri, "")

@@ -10,9 +10,9 @@ from typing import Any
 from pxr import Usd, UsdShade
 
 from schemas.diagnostics import Diagnostic, Location, finding
+from schemas.files.references import tile_references
 from schemas.model import Material, Texture
 from schemas.outcome import INTAKE, Repair
-from schemas.references import tile_references
 from usdio.read.layer_guard import PinnedLayers
 from usdio.read.pbr import Color, MaterialConversion
 from usdio.read.shader_dialects import PREVIEW, ShaderDialect, dialect_of

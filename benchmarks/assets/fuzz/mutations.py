@@ -15,7 +15,7 @@ from typing import Any
 
 from lxml import etree
 
-from schemas.zip_damage import ZIP_DAMAGE
+from schemas.files.zip_damage import ZIP_DAMAGE
 
 Mutation = Callable[[Random, bytes], bytes]
 

@@ -77,11 +77,11 @@ def test_primitives_stand_on_each_of_their_sides(problems: dict[str, tuple[Probl
 
 def test_surface_of_a_package_and_drawn(problems: dict[str, tuple[Problem, ...]]):
     on_ring, cube = problems["surface"][0].things
-    assert np.isclose(on_ring.place.polygon.area, 0.8 * 0.6 - 0.04)  # pyright: ignore[reportAttributeAccessIssue]
+    assert np.isclose(on_ring.place.polygon.area, 0.8 * 0.6 - 0.04)
     assert on_ring.place.height_m == 0.5
     assert np.allclose(np.degrees(on_ring.domain.yaw_rad), (80, 100))
     assert cube.parent == "bin"
-    walls = cube.place.above  # pyright: ignore[reportAttributeAccessIssue]
+    walls = cube.place.above
     assert len(walls) == 4
     assert all(np.isclose(wall.low_m, 0.0) and np.isclose(wall.high_m, 0.07) for wall in walls)
 

@@ -121,7 +121,7 @@ def tray_problem(seed: int) -> Problem:
         angle = float(rng.choice([0.0, np.pi / 2, 0.4]))
         relations.append(
             SceneRelation(
-                kind if kind != "between" or more else "near",  # pyright: ignore[reportArgumentType]
+                kind if kind != "between" or more else "near",
                 (one, two, more[0]) if kind == "between" and more else (one, two),
                 (float(np.cos(angle)), float(np.sin(angle))),
                 float(rng.uniform(0.02, 0.2)) if kind in ("near", "far_from", "between") else 0.01,
@@ -143,10 +143,10 @@ def word_problem(kind: str, seed: int) -> Problem:
     things = []
     for k in range(count):
         size = CM * rng.integers(2, 5, 2)
-        ranges = {"x": (-CM * rng.integers(0, 8), CM * rng.integers(0, 8))} if rng.random() < 0.2 else {}
+        x = (-CM * rng.integers(0, 8), CM * rng.integers(0, 8)) if rng.random() < 0.2 else ANY
         board = boards[rng.integers(2)] if kind == "above" else boards[0]
         height = CM * int(rng.integers(3, 8))
-        things.append(thing(f"o{k}", tuple(size), board, yaw=(0.0, 0.0), height=height, **ranges))
+        things.append(thing(f"o{k}", tuple(size), board, yaw=(0.0, 0.0), height=height, x=x))
     names = tuple(f"o{k}" for k in rng.permutation(count))
     path = ("relations", 0)
     if kind == "above":

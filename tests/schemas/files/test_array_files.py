@@ -2,8 +2,8 @@ from pathlib import Path
 
 import numpy as np
 
-from assetkit import array_files
 from schemas.evidence import declared, default
+from schemas.files import array_files
 from schemas.model import Material, Mesh, Model, Node, Texture, TextureUse
 
 

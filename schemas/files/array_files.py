@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
-from schemas.zip_damage import ZIP_DAMAGE
+from schemas.files.zip_damage import ZIP_DAMAGE
 
 T = TypeVar("T")
 _TREE = "tree"

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from schemas.diagnostics import InvalidInput
-from schemas.references import resolve_reference
+from schemas.files.references import resolve_reference
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from schemas.zip_damage import ZIP_DAMAGE
+from schemas.files.zip_damage import ZIP_DAMAGE
 
 
 @pytest.mark.parametrize("packed", [False, True])
