@@ -12,6 +12,7 @@ from schemas.anchors import Anchor
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, default
+from schemas.model import Axis
 from schemas.outcome import ItemOutcome, Repair
 from schemas.parts import Part
 from schemas.physics import Contact, Fidelity
@@ -62,7 +63,7 @@ class SourceSection(_Section):
     format: str
     files: tuple[SourceFile, ...]
     meters_per_unit: Evidence[float]
-    up_axis: Evidence[str]
+    up_axis: Evidence[Axis]
     license: Evidence[str]
     author: Evidence[str]
     generator: str = ""

@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 from matplotlib.colors import CSS4_COLORS, XKCD_COLORS, to_rgb
+from scipy.spatial.distance import cdist
 
 from assetkit.readers.common.corners import srgb_to_linear
 from schemas.arrays import FloatArray
@@ -25,7 +26,7 @@ _XYZ_OF_RGB = np.array(
 def basic_terms(linear_rgb: FloatArray) -> list[str]:
     """The basic term of each linear sRGB colour of (n, 3)."""
     terms, known = _survey()
-    near = np.linalg.norm(lab_of(linear_rgb)[:, None] - known[None], axis=2).argmin(axis=1)
+    near = cdist(lab_of(linear_rgb), known).argmin(axis=1)
     return [terms[i] for i in near]
 
 
