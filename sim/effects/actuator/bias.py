@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return state.effort + params["torque_Nm"]
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return state.effort + values[0]
 
 
 EFFECT = Effect(
@@ -21,5 +23,5 @@ EFFECT = Effect(
         Confusable("joint.friction_asymmetry", "hold still, or let it swing with the drive off"),
         Confusable("joint.axis_tilt", "move over the whole range: gravity depends on position"),
     ),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("torque_Nm",)),
 )

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return np.sign(state.effort) * np.maximum(np.abs(state.effort) - params["band_Nm"], 0.0)
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return np.sign(state.effort) * np.maximum(np.abs(state.effort) - values[0], 0.0)
 
 
 EFFECT = Effect(
@@ -23,5 +25,5 @@ EFFECT = Effect(
         Confusable("joint.coulomb_friction", "let the joint swing with the drive off"),
         Confusable("joint.backlash", "hold a small steady effort"),
     ),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("band_Nm",)),
 )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return params["gain"] * state.effort
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return values[0] * state.effort
 
 
 EFFECT = Effect(
@@ -22,5 +24,5 @@ EFFECT = Effect(
         Confusable("joint.spring", "let the joint swing with the drive off"),
         Confusable("actuator.supply_sag", "log the supply voltage"),
     ),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("gain",)),
 )

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    wave = np.sin(params["count_per_rad"] * state.q - params["phase_rad"])
-    return state.effort * (1.0 + params["share"] * wave)
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    share, count_per_rad, phase_rad = values[0], values[1], values[2]
+    return state.effort * (1.0 + share * np.sin(count_per_rad * state.q - phase_rad))
 
 
 EFFECT = Effect(
@@ -25,5 +27,5 @@ EFFECT = Effect(
         Parameter("phase_rad", "rad", -np.pi, np.pi, 0.0),
     ),
     confusables=(Confusable("joint.detent", "let the joint swing with the drive off"),),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("share", "count_per_rad", "phase_rad")),
 )

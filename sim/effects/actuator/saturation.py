@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return np.minimum(np.maximum(state.effort, -params["limit_Nm"]), params["limit_Nm"])
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return np.minimum(np.maximum(state.effort, -values[0]), values[0])
 
 
 EFFECT = Effect(
@@ -20,7 +22,7 @@ EFFECT = Effect(
     reveals="large efforts have no more effect than a certain one",
     parameters=(Parameter("limit_Nm", "N m (N)", 1e-4, 1e6, 1e6),),
     confusables=(Confusable("actuator.gain", "command small and large efforts: a gain scales both"),),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("limit_Nm",)),
     usd="drive:angular:physics:maxForce",
     urdf="limit/@effort",
 )

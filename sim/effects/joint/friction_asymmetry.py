@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter
 
 
-def _limit(state: JointState, params: Params, direction: FloatArray) -> FloatArray:
+def _limit(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
     """No direction can have less than no friction, so the difference is at most the friction that is there."""
-    most = np.inf if state.friction is None else state.friction
-    return np.clip(params["torque_Nm"], -most, most) * direction
+    return np.minimum(np.maximum(values[0], -state.friction), state.friction) * state.direction
 
 
 EFFECT = Effect(
@@ -25,5 +26,5 @@ EFFECT = Effect(
         Confusable("actuator.bias", "hold still: a bias pushes, friction does not; or let it swing with the drive off"),
         Confusable("joint.axis_tilt", "move over the whole range: gravity depends on position, friction does not"),
     ),
-    hook=JointFriction(_limit),
+    hook=JointFriction(_limit, ("torque_Nm",)),
 )

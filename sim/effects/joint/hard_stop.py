@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter
 
 
-def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    above = np.maximum(state.q - params["upper_rad"], 0.0) * _resists(params, state.qd)
-    below = np.maximum(params["lower_rad"] - state.q, 0.0) * _resists(params, -state.qd)
-    return params["stiffness_Nm_per_rad"] * (below - above)
-
-
-def _resists(params: Params, inwards: FloatArray) -> FloatArray:
+def _torque(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
     """More on the way in than on the way out, so that a blow loses energy; a stop never pulls."""
-    return np.maximum(1.0 + params["loss_s_per_rad"] * inwards, 0.0)
+    lower_rad, upper_rad, stiffness_Nm_per_rad, loss_s_per_rad = values[0], values[1], values[2], values[3]
+    above = np.maximum(state.q - upper_rad, 0.0) * np.maximum(1.0 + loss_s_per_rad * state.qd, 0.0)
+    below = np.maximum(lower_rad - state.q, 0.0) * np.maximum(1.0 + loss_s_per_rad * -state.qd, 0.0)
+    return stiffness_Nm_per_rad * (below - above)
 
 
 EFFECT = Effect(
@@ -35,7 +34,7 @@ EFFECT = Effect(
         Parameter("loss_s_per_rad", "s/rad (s/m)", 0.0, 1000.0, 0.0),
     ),
     confusables=(Confusable("joint.spring", "approach the end slowly: a spring acts over the whole range"),),
-    hook=JointTorque(_torque),
+    hook=JointTorque(_torque, ("lower_rad", "upper_rad", "stiffness_Nm_per_rad", "loss_s_per_rad")),
     usd="physics:lowerLimit, physics:upperLimit",
     urdf="limit/@lower, limit/@upper",
 )

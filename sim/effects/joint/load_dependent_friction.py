@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter
 
 
-def _limit(state: JointState, params: Params, direction: FloatArray) -> FloatArray:
-    return params["radius_m"] * state.load
+def _limit(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return values[0] * state.load
 
 
 EFFECT = Effect(
@@ -18,5 +20,5 @@ EFFECT = Effect(
     reveals="unexplained torque grows with the load at equal speed",
     parameters=(Parameter("radius_m", "m (1 for sliding joints)", 0.0, 1.0, 0.0),),
     confusables=(Confusable("joint.coulomb_friction", "move with two different loads on the joint"),),
-    hook=JointFriction(_limit, by_load=True),
+    hook=JointFriction(_limit, ("radius_m",), by_load=True),
 )

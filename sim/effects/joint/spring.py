@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter
 
 
-def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return -params["stiffness_Nm_per_rad"] * (state.q - params["rest_rad"])
+def _torque(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    stiffness_Nm_per_rad, rest_rad = values[0], values[1]
+    return -stiffness_Nm_per_rad * (state.q - rest_rad)
 
 
 EFFECT = Effect(
@@ -24,5 +27,5 @@ EFFECT = Effect(
         Confusable("joint.gravity_load", "move through a quarter turn or more: a spring is straight, gravity a sine"),
         Confusable("actuator.gain", "let the joint swing with the drive off"),
     ),
-    hook=JointTorque(_torque),
+    hook=JointTorque(_torque, ("stiffness_Nm_per_rad", "rest_rad")),
 )

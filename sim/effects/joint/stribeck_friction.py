@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter, Params
+from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter
 
 
-def _limit(state: JointState, params: Params, direction: FloatArray) -> FloatArray:
-    return params["torque_Nm"] * np.exp(-((state.qd / params["velocity_radps"]) ** 2))
+def _limit(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    torque_Nm, velocity_radps = values[0], values[1]
+    return torque_Nm * np.exp(-((state.qd / velocity_radps) ** 2))
 
 
 EFFECT = Effect(
@@ -26,5 +29,5 @@ EFFECT = Effect(
         Confusable("joint.coulomb_friction", "dwell at very low speeds in both directions"),
         Confusable("joint.detent", "stop at several positions: detents stay in place, stiction moves along"),
     ),
-    hook=JointFriction(_limit),
+    hook=JointFriction(_limit, ("torque_Nm", "velocity_radps")),
 )
