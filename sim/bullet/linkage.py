@@ -37,6 +37,8 @@ from sim.dynamics.hooks import (
     JointState,
     JointTorque,
     Params,
+    StepHook,
+    fresh_memory,
     step_value,
 )
 from sim.dynamics.linkage_rollout import LinkageModel, LinkageMotion, LinkageWindows
@@ -73,9 +75,7 @@ class BulletLinkageRollout(WindowsClient):
         out = np.empty((worlds, stamps, _STATE + 2 * joints))
         for w in range(worlds):
             self._start(starts[w], windows.q0[w], windows.qd0[w])
-            memory = [
-                fresh_memory(law.hook, (1, 1)) if isinstance(law.hook, StepHook) else np.empty(0) for law in laws
-            ]
+            memory = [fresh_memory(law.hook, (1, 1)) if isinstance(law.hook, StepHook) else np.empty(0) for law in laws]
             out[w, 0] = self._row(joints)
             for k in range(1, stamps):
                 self._advance(model, float(t_s[w, k - 1]), float(t_s[w, k]), wrenches, laws, memory)

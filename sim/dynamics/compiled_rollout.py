@@ -73,7 +73,9 @@ def rollout(
         values[i, : len(hook.names)] = [law.params[name] for name in hook.names]
         memory[i, : hook.memory] = np.nan
         kinds[i], places[i] = _KINDS[type(hook)], law.joint
-    pointers = tuple(_compiled(law.hook.law) for law in laws if isinstance(law.hook, EffortMap | JointTorque | JointFriction))
+    pointers = tuple(
+        _compiled(law.hook.law) for law in laws if isinstance(law.hook, EffortMap | JointTorque | JointFriction)
+    )
     pointers += (_compiled(_no_law),) * (MOST_LAWS - len(laws))
     by_load = any(isinstance(law.hook, JointFriction) and law.hook.by_load for law in laws)
     friction = (kinds == _FRICTION).any() or bool(model.friction.any())

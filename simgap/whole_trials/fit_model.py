@@ -153,7 +153,7 @@ class Linearisation:
 
 @dataclass(frozen=True)
 class _Blocks:
-    """Normal equations per trial: parameters (t, p, p), mixed (t, p, s), inverse of the starts' (t, s, s), gradients."""
+    """Normal equations per trial: parameters (t, p, p), mixed (t, p, s), the starts' inverse (t, s, s), gradients."""
 
     parameters: FloatArray
     mixed: FloatArray
@@ -203,9 +203,7 @@ def _like(measured: FloatArray, values: FloatArray) -> FloatArray:
     return measured if values.ndim == 2 else measured[:, :, None]
 
 
-def _parameter_slopes(
-    system: TrialSystem, model: Model, starts: FloatArray, plain: FloatArray
-) -> list[FloatArray]:
+def _parameter_slopes(system: TrialSystem, model: Model, starts: FloatArray, plain: FloatArray) -> list[FloatArray]:
     space, vector = Space.of(model), vector_of(model)
     out = []
     for p, span in enumerate(space.span):

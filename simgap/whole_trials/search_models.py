@@ -139,7 +139,10 @@ def _enters(before: FittedModel, after: FittedModel, candidates: int, policy: Po
     gain = 1.0 - after.held_out.sum() / max(before.held_out.sum(), 1e-12)
     return decide(
         [
-            (Reason.TOO_SMALL, criterion("share of the held-out deviance that it takes off", gain, ">", policy.least_gain)),
+            (
+                Reason.TOO_SMALL,
+                criterion("share of the held-out deviance that it takes off", gain, ">", policy.least_gain),
+            ),
             (Reason.NOT_SIGNIFICANT, criterion("adjusted p-value", p_value, "<", policy.alpha)),
         ]
     )

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter
+from sim.dynamics.hooks import EffortMap, JointState
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
@@ -24,4 +26,8 @@ EFFECT = Effect(
         Confusable("joint.axis_tilt", "move over the whole range: gravity depends on position"),
     ),
     hook=EffortMap(_map, ("torque_Nm",)),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.driven,
+        bounds=lambda r: {"torque_Nm": (-r.torque, r.torque)},
+    ),
 )

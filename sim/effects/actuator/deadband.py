@@ -7,7 +7,11 @@ from typing import Any
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter
+from sim.dynamics.hooks import EffortMap, JointState
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
+
+_LEAST_EFFORT = 1e-9  # N m (N): no division by what was never commanded
 
 
 def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
@@ -26,4 +30,9 @@ EFFECT = Effect(
         Confusable("joint.backlash", "hold a small steady effort"),
     ),
     hook=EffortMap(_map, ("band_Nm",)),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.driven,
+        bounds=lambda r: {"band_Nm": (0.0, max(r.effort, _LEAST_EFFORT))},
+    ),
+    plot_against="input",
 )

@@ -5,7 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter
+from sim.dynamics.hooks import EffortMap, JointState
+from sim.effects.candidacy import MechanismCandidacy, within
+from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.ranges import TOLERANCE
 
 
 def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
@@ -25,4 +28,9 @@ EFFECT = Effect(
         Confusable("actuator.supply_sag", "log the supply voltage"),
     ),
     hook=EffortMap(_map, ("gain",)),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.driven,
+        nuisance=lambda joint: within("effort", "gain", 1.0, TOLERANCE if joint.driven else 0.0),
+    ),
+    plot_against="input",
 )

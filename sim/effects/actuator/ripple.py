@@ -7,7 +7,10 @@ from typing import Any
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter
+from sim.dynamics.hooks import EffortMap, JointState
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.common.travel import count_bounds, count_start
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
@@ -23,9 +26,15 @@ EFFECT = Effect(
     reveals="unexplained torque repeats over position and grows with effort",
     parameters=(
         Parameter("share", "1", 0.0, 1.0, 0.0),
-        Parameter("count_per_rad", "1/rad (1/m)", 0.5, 1e3, 6.0),
-        Parameter("phase_rad", "rad", -np.pi, np.pi, 0.0),
+        Parameter("count_per_rad", "1/rad (1/m)", 0.5, 1e3, 6.0, is_shape=True),
+        Parameter("phase_rad", "rad", -np.pi, np.pi, 0.0, is_shape=True),
     ),
     confusables=(Confusable("joint.detent", "let the joint swing with the drive off"),),
     hook=EffortMap(_map, ("share", "count_per_rad", "phase_rad")),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.driven,
+        bounds=lambda r: {"count_per_rad": count_bounds(r)},
+        start=lambda r: {"count_per_rad": count_start(r)},
+    ),
+    plot_against="input",
 )

@@ -7,12 +7,20 @@ from typing import Any
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter
+from sim.dynamics.hooks import JointFriction, JointState
+from sim.effects.candidacy import Bounds, MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.ranges import JointRanges
 
 
 def _limit(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
     """No direction can have less than no friction, so the difference is at most the friction that is there."""
     return np.minimum(np.maximum(values[0], -state.friction), state.friction) * state.direction
+
+
+def _bounds(r: JointRanges) -> Bounds:
+    most = r.friction if r.friction > 0.0 else r.torque
+    return {"torque_Nm": (-most, most)}
 
 
 EFFECT = Effect(
@@ -27,4 +35,5 @@ EFFECT = Effect(
         Confusable("joint.axis_tilt", "move over the whole range: gravity depends on position, friction does not"),
     ),
     hook=JointFriction(_limit, ("torque_Nm",)),
+    mechanism=MechanismCandidacy(bounds=_bounds),
 )

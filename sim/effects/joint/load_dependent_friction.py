@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter
+from sim.dynamics.hooks import JointFriction, JointState
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _limit(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
@@ -21,4 +23,7 @@ EFFECT = Effect(
     parameters=(Parameter("radius_m", "m (1 for sliding joints)", 0.0, 1.0, 0.0),),
     confusables=(Confusable("joint.coulomb_friction", "move with two different loads on the joint"),),
     hook=JointFriction(_limit, ("radius_m",), by_load=True),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.any_feels_gravity, bounds=lambda r: {"radius_m": (0.0, r.torque / r.load)}
+    ),
 )

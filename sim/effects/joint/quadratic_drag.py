@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter
+from sim.dynamics.hooks import JointState, JointTorque
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _torque(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
@@ -23,4 +25,5 @@ EFFECT = Effect(
     parameters=(Parameter("drag_Nms2_per_rad2", "N m s2/rad2 (N s2/m2)", 0.0, 1e3, 0.0),),
     confusables=(Confusable("joint.viscous_friction", "move at speeds that differ by a factor of three or more"),),
     hook=JointTorque(_torque, ("drag_Nms2_per_rad2",)),
+    mechanism=MechanismCandidacy(bounds=lambda r: {"drag_Nms2_per_rad2": (0.0, r.torque / r.speed**2)}),
 )

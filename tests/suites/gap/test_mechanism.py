@@ -10,7 +10,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from schemas.gap import EFFECT_NAMES
+from sim.effects.library import EFFECT_NAMES
 from simgap.inference.agreement import agree, with_fixed_shape
 from simgap.inference.forward_selection import select
 from simgap.kinds.mechanism.equation_error import smooth_means
@@ -153,8 +153,8 @@ def test_strengths_of_two_routes_are_compared_at_one_shape():
     assert freely is not None
     assert pinned is not None
     assert freely.values["torque_Nm"] > 3.0 * rolled_out.values["torque_Nm"]
-    assert not agree(rolled_out, {}, freely)
-    assert agree(rolled_out, {}, pinned)
+    assert not agree(rolled_out, {}, freely).kept
+    assert agree(rolled_out, {}, pinned).kept
 
 
 def test_a_lag_that_a_delay_mimics_gets_no_sure_name():
