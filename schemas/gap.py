@@ -43,6 +43,7 @@ class Reason(StrEnum):
     INCOMPLETE_WITHOUT = "incomplete without"
     INSEPARABLE_FROM = "inseparable from"
     REPLACED_BY = "replaced by"
+    NO_LONGER_NEEDED = "no longer needed"
     MIMICKED_BY = "mimicked by"
     NO_DIRECT_ESTIMATE = "no direct estimate"
     DIRECT_NOT_SIGNIFICANT = "direct estimate not significant"

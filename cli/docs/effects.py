@@ -32,7 +32,8 @@ _INTRODUCTION = """# Effects
 What `mana gap find` can name: {count} effects. Each has a formula from the literature, parameters in SI units with
 bounds (narrowed to what a recording can hold before a search), and a hook that puts it into a simulation step.
 `mana gap effects NAME` shows the same in a terminal. An effect that looks like another one names the experiment that
-tells them apart.
+tells them apart. Where the subject of a recording declares a number (friction, mass, gains), a model without the
+effect has that number, not the one in the last column.
 
 | effect | formula | parameters |
 |---|---|---|

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -45,6 +46,7 @@ class Export:
     package         field of `schemas.measured_physics.MeasuredPhysics`.
     urdf_contact    child of `<contact>` by parameter.
     urdf_joint      field of `schemas.measured_physics.MeasuredJoint` by parameter.
+    urdf_least      smallest value that URDF allows there.
     only_reached    of `urdf_joint` only values with an interval count: the trials came to no other end of travel.
     left_out        why no file carries it, where its family does not say so.
     """
@@ -54,6 +56,7 @@ class Export:
     package: PackageField | None = None
     urdf_contact: Mapping[str, str] = field(default_factory=dict)
     urdf_joint: Mapping[str, JointField] = field(default_factory=dict)
+    urdf_least: float = -math.inf
     only_reached: bool = False
     left_out: str = ""
 
@@ -97,3 +100,9 @@ class Effect:
     def null(self) -> dict[str, float]:
         """Parameter values at which the effect is absent."""
         return {p.name: p.null for p in self.parameters}
+
+    def __reduce__(self) -> tuple[Callable[[str], Effect], tuple[str]]:
+        """A stored effect is its name: results that are kept on disk hold no functions."""
+        from sim.effects.library import effect  # The library imports this module.
+
+        return effect, (self.name,)

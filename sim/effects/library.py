@@ -28,8 +28,10 @@ from sim.effects.joint import (
     stribeck_friction,
     viscous_friction,
 )
+from sim.effects.robot import pd_gains
 from sim.effects.sensor import bias as sensor_bias
 from sim.effects.sensor import clock_skew, frame_rotation, latency, scale, velocity_age
+from sim.effects.sensor import lag as sensor_lag
 from sim.effects.world import constant_force, gravity_magnitude, gravity_tilt, linear_drag
 from sim.effects.world import quadratic_drag as world_quadratic_drag
 
@@ -71,14 +73,16 @@ EFFECTS: tuple[Effect, ...] = (
     deadband.EFFECT,
     supply_sag.EFFECT,
     latency.EFFECT,
+    sensor_lag.EFFECT,
     sensor_bias.EFFECT,
     scale.EFFECT,
     clock_skew.EFFECT,
     frame_rotation.EFFECT,
     velocity_age.EFFECT,
+    pd_gains.EFFECT,
 )
 EFFECT_NAMES: tuple[str, ...] = tuple(e.name for e in EFFECTS)
-RESERVED_NAMES: tuple[str, ...] = ("robot.payload", "robot.pd_gains")  # documented, without an effect yet
+RESERVED_NAMES: tuple[str, ...] = ("robot.payload",)  # documented, without an effect yet
 
 
 def effect(name: str) -> Effect:

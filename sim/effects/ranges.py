@@ -55,6 +55,16 @@ class DeclaredJoint:
         return float(self.model.damping[self.joint])
 
     @property
+    def kp(self) -> float:
+        """Declared gain on the position error: effort over effort per unit, per rad; 0 without a position drive."""
+        return float(self.model.drive.kp[self.joint]) if self.model.drive.type == "position_pd" else 0.0
+
+    @property
+    def kd(self) -> float:
+        """Declared gain on the rate, per rad/s; 0 without a position drive."""
+        return float(self.model.drive.kd[self.joint]) if self.model.drive.type == "position_pd" else 0.0
+
+    @property
     def inertia_at_zero(self) -> float:
         """Inertia about the joint with all joints at zero, kg m2."""
         return float(mass_matrix(self.model.tree, np.zeros((1, len(self.model.tree))))[0, self.joint, self.joint])

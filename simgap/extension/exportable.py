@@ -22,7 +22,7 @@ _ELSEWHERE = {
     "world": "it belongs to the surroundings, not to the asset",
     "actuator": "it belongs to the drive, not to a rigid body",
     "sensor": "it belongs to the sensor, not to the asset",
-    "robot": "neither USD nor URDF describes it",
+    "robot": "it belongs to the controller, not to a rigid body",
     "joint": "the package is one rigid body without joints; give the URDF of the mechanism instead",
     "body": "neither USD nor URDF has an attribute for it",
     "contact": "neither USD nor URDF has an attribute for it",
@@ -94,7 +94,8 @@ def joint_physics(extension: ModelExtension) -> tuple[dict[str, MeasuredJoint], 
         exported = {
             name: applied.parameters[p]
             for p, name in known.export.urdf_joint.items()
-            if _reached(applied.parameters[p]) or not known.export.only_reached
+            if applied.parameters[p].value >= known.export.urdf_least
+            and (_reached(applied.parameters[p]) or not known.export.only_reached)
         }
         if joint is None or not exported:
             family = known.family

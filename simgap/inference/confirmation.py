@@ -9,6 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
 
+import numpy as np
+
+from schemas.arrays import FloatArray
 from schemas.gap import Reason
 from simgap.inference.candidate_fit import CandidateFit, Screening
 from simgap.inference.competing_hypotheses import RIVAL_ALPHA, inseparable, is_simpler_and_as_good
@@ -38,10 +41,11 @@ def confirm(state: SearchState, screening: Screening) -> Confirmation:
     }
     decisions = {key: is_significant(e) for key, e in evidence.items()}
     ordered = _best_pair_first(state.errors, _significant_first(screening, decisions))
+    losses_before = state.test_losses(state.base) if ordered else np.zeros(0)
     accepted, rivals = None, []
     for rank, candidate_fit in enumerate(ordered, 1):
         key = candidate_fit.candidate.key
-        tested, decisions[key] = _tested(state, evidence[key])
+        tested, decisions[key] = _tested(state, evidence[key], losses_before)
         if tested.method_bias is not None and decisions[key].kept:
             errors = state.errors_at(candidate_fit.fit.model) if candidate_fit.candidate.extra_starts else state.errors
             rivals = inseparable(errors, candidate_fit, screening.fits)
@@ -61,11 +65,10 @@ def _after(accepted: CandidateFit, rank: int, rank_of_other: int) -> Decision:
     return decide([(Reason.ACCEPTED_AFTER, later)], beside=place_name(accepted.candidate))
 
 
-def _tested(state: SearchState, evidence: Evidence) -> tuple[Evidence, Decision]:
+def _tested(state: SearchState, evidence: Evidence, losses_before: FloatArray) -> tuple[Evidence, Decision]:
     """Evidence and decision after the test trials and, where these confirm, after the bootstrap."""
     fitted = evidence.candidate_fit.fit
-    losses = state.test_losses(state.base), state.test_losses_at_own_fit(fitted)
-    evidence = replace(evidence, test_losses=losses)
+    evidence = replace(evidence, test_losses=(losses_before, state.test_losses_at_own_fit(fitted)))
     confirmed = is_confirmed(evidence)
     if not confirmed.kept:
         return evidence, confirmed

@@ -158,7 +158,8 @@ def _final_evidence(
 def _remains(selection: Selection, accepted: Accepted) -> Decision:
     """Refused where later effects do the work of an accepted one: then it differs from none no more."""
     term, widths = _term_and_half_widths(selection, accepted)
-    return differs_from_none(term, symmetric(widths))
+    decision = differs_from_none(term, symmetric(widths))
+    return decision if decision.kept else replace(decision, reason=Reason.NO_LONGER_NEEDED)
 
 
 def _reliable(strange: bool, single: bool) -> list[Decision]:

@@ -13,7 +13,7 @@ from schemas.gap import CandidateDecision, Criterion, Reason
 class DecisionRow:
     """The last word on one candidate, or one of several reasons to doubt an effect, as words for the page.
 
-    outcome    `named`, `in doubt`, `left out` (an effect that later ones replace), `competes` or `refused`.
+    outcome    `named`, `in doubt`, `left out` (later effects do its work), `competes` or `refused`.
     value      the value that decided beside its bound; empty where the reason needs none.
     """
 
@@ -40,7 +40,7 @@ def last_words(decisions: Sequence[CandidateDecision]) -> tuple[CandidateDecisio
     if judged:
         return judged
     competing = [d for d in decisions if d.reason is Reason.INSEPARABLE_FROM]
-    refused = [d for d in decisions if not d.kept and d.step in ("screen", "confirm")]
+    refused = [d for d in decisions if not d.kept and (d.step != "compare" or d.reason is Reason.REPLACED_BY)]
     return tuple((competing or refused or list(decisions))[-1:])
 
 
@@ -60,11 +60,11 @@ def _row(decision: CandidateDecision) -> DecisionRow:
 def _outcome(decision: CandidateDecision) -> str:
     if decision.reason is Reason.NAMED:
         return "named"
+    if decision.reason is Reason.NO_LONGER_NEEDED:
+        return "left out"
     if decision.step == "judge":
         return "in doubt"
-    if decision.reason is Reason.INSEPARABLE_FROM:
-        return "competes"
-    return "left out" if decision.kept else "refused"
+    return "competes" if decision.reason is Reason.INSEPARABLE_FROM else "refused"
 
 
 def _words(criterion: Criterion) -> str:

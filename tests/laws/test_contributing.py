@@ -34,6 +34,7 @@ from tests.support.worked_pages import (
 FOLDER = ROOT / "docs" / "contributing"
 WORKED = ("file-format", "gate-rule", "effect", "episode-format")
 PAGES = (*WORKED, "relation")
+BY_HAND = {"effect": 3}  # files of code, the new ones among them
 
 WORD = "near"  # the relation that relation.md walks through
 KINDS = frozenset({"before", "near", "far_from", "aligned", "facing", "between"})
@@ -141,6 +142,11 @@ def test_the_list_of_files_is_what_the_blocks_change(name: str) -> None:
     assert [file.path for file in rows if file.new] == sorted(new_files(text), key=[f.path for f in rows].index)
     changed = {change.path for change in changes(text)}
     assert {file.path for file in rows if not (file.new or file.by_hand or file.made)} == changed
+
+
+@pytest.mark.parametrize(("name", "files"), BY_HAND.items())
+def test_a_newcomer_touches_few_files(name: str, files: int) -> None:
+    assert len([file for file in listed(page(name)) if not (file.made or file.by_hand)]) <= files
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import pickle
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,8 +27,9 @@ NAMED = re.compile(rf"(?<![\w.])(?:{'|'.join(map(re.escape, (*EFFECT_NAMES, *RES
 
 def named_effects(source: str) -> list[tuple[int, str]]:
     """Line and name of every effect in a string of Python; sentences, which have blanks, are words for people."""
-    strings = [n for n in ast.walk(ast.parse(source)) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
-    return [(n.lineno, name) for n in strings if " " not in n.value for name in NAMED.findall(n.value)]
+    constants = (n for n in ast.walk(ast.parse(source)) if isinstance(n, ast.Constant))
+    strings = [(n.lineno, n.value) for n in constants if isinstance(n.value, str) and " " not in n.value]
+    return [(line, name) for line, text in strings for name in NAMED.findall(text)]
 
 
 def files(package: str) -> Iterator[Path]:
@@ -75,3 +77,10 @@ def test_an_effect_is_its_file(effect: Effect) -> None:
     written = effect.export.package or effect.export.urdf_contact or effect.export.urdf_joint
     assert not written or effect.export.urdf
     assert {*effect.export.urdf_contact, *effect.export.urdf_joint} <= {p.name for p in effect.parameters}
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda e: e.name)
+def test_a_stored_effect_is_its_name(effect: Effect) -> None:
+    stored = pickle.dumps(effect)
+    assert pickle.loads(stored) is effect
+    assert len(stored) < 200

@@ -12,13 +12,14 @@ from schemas.gap import ConventionCheck
 from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import MechanismModel, rollout
 from simgap.inference.losses import paired_p, trial_losses
-from simgap.kinds.mechanism.apply_model import apply_terms
+from simgap.kinds.mechanism.apply_model import Applied, apply_terms
 from simgap.kinds.mechanism.bootstrap import bootstrap_sample
 from simgap.kinds.mechanism.candidates import candidates_of, nuisances_of
 from simgap.kinds.mechanism.equation_error import estimate
 from simgap.kinds.mechanism.input_timing import InputTiming, stamp_jitter_s
 from simgap.kinds.mechanism.inputs import permuted_inputs
 from simgap.kinds.mechanism.windowed_logs import LONG_VIEW, InitialStates, WindowedLogs
+from simgap.kinds.mechanism.windows import Cut
 from simgap.problem import Candidate, DirectEstimate, JointMotion, Model, Problem, View
 from simgap.recording.read import Measurement
 
@@ -118,18 +119,30 @@ class MechanismProblem(Problem):
         out, at = [], 0
         for trial, (series, piece) in zip(trials, pieces, strict=True):
             count, k = piece.rows.shape
-            error = piece.of(q[at : at + count, :k] - series.columns[piece.column][piece.rows])
+            read = applied.without_memory(self.logs.by_trial[trial].series) if applied.has_memory else series
+            seen = applied.followed(
+                windows.t_s[at : at + count, :k], q[at : at + count, :k], read.columns["q"][piece.rows[:, 0]]
+            )
+            error = piece.of(seen - read.columns[piece.column][piece.rows])
             error = np.nan_to_num(error, nan=_LARGEST_ROLLOUT_ERROR)
             if view == self.search_view:
-                error = self._initial_states.of(trials)[trial].without(
-                    np.clip(error, -_LARGEST_ROLLOUT_ERROR, _LARGEST_ROLLOUT_ERROR)
-                )
+                states = self._initial_states.of(trials)[trial]
+                if applied.has_memory:
+                    states = states.with_sensor_state(self._fading(applied, trial, piece, windows.t_s[at : at + count]))
+                error = states.without(np.clip(error, -_LARGEST_ROLLOUT_ERROR, _LARGEST_ROLLOUT_ERROR))
             # In units of the sensor: a scale that shrinks the truth must not shrink the error.
             if applied.sensors:
-                error = error * _magnification(self.logs.by_trial[trial].series, series)
+                error = error * _magnification(self.logs.by_trial[trial].series, read)
             out.append(np.clip(error, -_LARGEST_ROLLOUT_ERROR, _LARGEST_ROLLOUT_ERROR).reshape(-1, q.shape[2]))
             at += count
         return out
+
+    def _fading(self, applied: Applied, trial: str, piece: Cut, t_s: FloatArray) -> FloatArray:
+        """(w, c, j) what is left of the noise of sensors' first readings, windows with rows at t_s (w, k)."""
+        smooth = self.logs.by_trial[trial].smooth
+        still = np.zeros((*piece.rows.shape, len(smooth.q_noise)))
+        noise = np.broadcast_to(smooth.noise_gain * smooth.q_noise, still[:, 0].shape)
+        return piece.of(applied.followed(t_s[:, : piece.rows.shape[1]], still, noise))
 
     def features(self, trials: Sequence[str], view: View) -> list[FloatArray]:
         """Smoothed q and qd at the window's start, inputs there, and the time since, beside each residual row."""
