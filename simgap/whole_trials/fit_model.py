@@ -13,9 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.arrays import FloatArray
-from simgap.problem import Model, Term
+from simgap.problem import Model, Term, TrialSystem
 from simgap.whole_trials.policy import Policy
-from simgap.whole_trials.system import TrialSystem
 
 _DIFFERENCE = 2e-3  # of a parameter's range: step of differences
 _LARGEST_ERROR = 1e4  # noise levels beyond which an error counts no more: what is further off has diverged

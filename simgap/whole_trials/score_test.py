@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.arrays import FloatArray
-from simgap.problem import Candidate, Term
+from simgap.problem import Candidate, Term, TrialSystem
 from simgap.whole_trials.fit_model import Linearisation, ModelFit, Space, clipped, solve_safely, vector_of
-from simgap.whole_trials.system import TrialSystem
 
 _PROBE = 0.01  # of a strength's range
 _AT_BOUND = 1e-3  # of a range: nuisances so near their bound cannot move with a candidate
 _COUNTS = 40  # of harmonic laws, evenly by ratio over the plausible ones
 _SPEEDS = 6
+_RESTS = 5
 
 
 @dataclass(frozen=True)
@@ -92,6 +92,9 @@ def _probe_groups(candidate: Candidate) -> list[list[dict[str, float]]]:
             [_off_null(candidate, {"count_per_rad": float(k), "phase_rad": phase}) for phase in (0.0, 0.5 * np.pi)]
             for k in counts
         ]
+    if "rest_rad" in candidate.null:
+        rests = np.linspace(*bounds["rest_rad"], _RESTS)
+        return [[_off_null(candidate, {"rest_rad": float(r)})] for r in rests]
     if candidate.extra_starts:
         return [[_off_null(candidate, start)] for start in candidate.extra_starts]
     if "velocity_radps" in candidate.null:

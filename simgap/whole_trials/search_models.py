@@ -15,12 +15,11 @@ import numpy as np
 from schemas.arrays import FloatArray
 from schemas.gap import Reason
 from simgap.inference.decision import Decision, criterion, decide
-from simgap.problem import Candidate, Model, Term
+from simgap.problem import Candidate, Model, Term, TrialSystem
 from simgap.whole_trials.fit_model import ModelFit, fit_model, linearise
 from simgap.whole_trials.held_out import held_out_deviance, p_of_no_better
 from simgap.whole_trials.policy import Policy
 from simgap.whole_trials.score_test import Score, scores
-from simgap.whole_trials.system import TrialSystem
 
 _LEAST_SCORE = 8.0  # deviance below which a linear step is noise: 99.5 % of chi-squared with one degree
 

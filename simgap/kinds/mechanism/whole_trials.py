@@ -60,7 +60,7 @@ class MechanismTrials:
         if applied.sensors:
             for t, (n, stamp) in enumerate(zip(self._lengths, stamps, strict=True)):
                 for m in range(len(starts)):
-                    q[m, t, :n] = applied.reported(Series(stamp, {"reading": q[m, t, :n]})).columns["reading"]
+                    q[m, t, :n] = applied.reported(Series(stamp, {"q": q[m, t, :n]})).columns["q"]
         errors = np.nan_to_num((q - np.nan_to_num(self._readings)) / self._noise, nan=_DIVERGED)
         return np.where(np.isnan(self._readings), np.nan, errors).reshape(len(starts), len(self._ids), -1)
 
