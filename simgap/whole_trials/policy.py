@@ -14,8 +14,8 @@ class Policy:
     least_gain        share of the held-out deviance that an effect must take off. Two integrators of one law differ by
                       up to 1 % on the control recordings of `docs/benchmarks-simgap.md`.
     explained         share of the null model's excess over noise that may stay before a name is doubted. 2 % of
-                      the mean square are 86 % less error: right laws leave less on the foreign recordings (case 3: 0.2 %,
-                      case 1: 1 %), wrong ones more (case 7: 45 %, case 15: 4 %).
+                      the mean square are 86 % less error: right laws leave less on the foreign recordings (cases 1
+                      and 3: 1 and 0.2 %), wrong ones more (cases 7 and 15: 45 and 4 %).
     noise_excess      excess of the mean square error over that of noise that counts as none: the noise of 20 trials
                       is itself known to some per cent (chi-squared, 500 rows each).
     most_effects      effects of one model; three causes at once are the most that the suite asks for.
