@@ -9,15 +9,15 @@ AXIS = Place(joint="axis")
 
 
 def _decision(
-    name: str, step: Step, reason: Reason, *, kept: bool = False, beside: str = "", round_number: int = 0
+    name: str, step: Step, reason: Reason, *, passed: bool = False, beside: str = "", round_number: int = 0
 ) -> CandidateDecision:
-    criterion = Criterion(quantity="p", value=0.01 if kept else 0.2, relation="<", bound=0.05)
+    criterion = Criterion(quantity="p", value=0.01 if passed else 0.2, relation="<", bound=0.05)
     return CandidateDecision(
         round_number=round_number,
         step=step,
         name=name,
         where=AXIS,
-        kept=kept,
+        kept=passed,
         reason=reason,
         beside=beside,
         criteria=(criterion,),
@@ -26,16 +26,16 @@ def _decision(
 
 DECISIONS = (
     _decision("a", "screen", Reason.NOT_PROMISING),
-    _decision("b", "confirm", Reason.PASSED, kept=True),
+    _decision("b", "confirm", Reason.PASSED, passed=True),
     _decision("c", "confirm", Reason.NOT_SIGNIFICANT),
-    _decision("c", "compare", Reason.INSEPARABLE_FROM, kept=True, beside="b@axis"),
+    _decision("c", "compare", Reason.INSEPARABLE_FROM, passed=True, beside="b@axis"),
     _decision("d", "confirm", Reason.ACCEPTED_AFTER, beside="b@axis"),
     _decision("a", "confirm", Reason.TOO_SMALL, round_number=1),
-    _decision("d", "confirm", Reason.PASSED, kept=True, round_number=1),
+    _decision("d", "confirm", Reason.PASSED, passed=True, round_number=1),
     _decision("c", "screen", Reason.OUTRANKED, round_number=1),
     _decision("b", "judge", Reason.MIMICKED_BY, beside="c@axis", round_number=1),
     _decision("b", "judge", Reason.DIRECT_DISAGREES, round_number=1),
-    _decision("d", "judge", Reason.NAMED, kept=True, round_number=1),
+    _decision("d", "judge", Reason.NAMED, passed=True, round_number=1),
 )
 
 
@@ -56,7 +56,7 @@ def test_candidates_are_counted_once() -> None:
 
 
 def test_an_effect_whose_work_later_ones_do_is_left_out() -> None:
-    taken = _decision("a", "confirm", Reason.PASSED, kept=True)
+    taken = _decision("a", "confirm", Reason.PASSED, passed=True)
     dropped = _decision("a", "judge", Reason.NO_LONGER_NEEDED, round_number=2)
     replaced = _decision("b", "compare", Reason.REPLACED_BY, beside="c@axis")
     assert [(r.name, r.outcome) for r in decision_rows([taken, dropped, replaced])] == [

@@ -247,7 +247,7 @@ EFFECTS: tuple[HiddenEffect, ...] = (
     ),
     HiddenEffect(
         "robot.pd_gains",
-        {"servo": ()},
+        {"servo": ("joint.viscous_friction",)},  # slow tones show the ratio of both gains alone
         lambda s, z: {"kp_share": -s},
         lambda s, z: ("kp", (1.0 - s) * z.kp),
         guess=0.1,
