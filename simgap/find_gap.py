@@ -40,6 +40,8 @@ from simgap.inference.verdict_text import NAMED
 from simgap.problem import Model, Problem
 from simgap.recording.train_test_split import Trials
 from simgap.sanity.input_pairing import other_inputs_check, pairing_check
+from simgap.whole_trials.check import check_whole_trials
+from simgap.whole_trials.policy import POLICY
 
 _NOISE_LOSS = 1.3  # mean loss, in typical errors, of noise that grows along a roll-out
 
@@ -83,9 +85,10 @@ def find_effects(
     mispaired = any(check.status == "suspect" for check in pairing_checks)
     short = _gain(last, selection, trials, "short_horizon", horizon_s)
     gains = (short, _gain(last, selection, trials, "full_rollout", 0.0))
-    judgement = judge(
-        problem, selection, trials.train, gains, leftover, _heavy_tail_share(last, selection, trials), mispaired
-    )
+    tails = _heavy_tail_share(last, selection, trials)
+    nuisances = problem.nuisances()
+    whole = check_whole_trials(last, selection.final.model, nuisances, trials.train, trials.test, POLICY)
+    judgement = judge(problem, selection, trials.train, gains, leftover, tails, mispaired, whole)
     verdict = judgement.verdict
     decisions = reported_decisions(selection.decisions, judgement.decisions)
     named = [e for e in verdict.effects if e.confidence >= NAMED]

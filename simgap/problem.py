@@ -157,6 +157,10 @@ class Problem(Protocol):
         """
         return self
 
+    def whole_trials(self, trials: Sequence[str]) -> TrialSystem | None:
+        """Errors of whole trials with free starts; None where contacts make whole roll-outs diverge."""
+        return None
+
     def timing_check(self) -> ConventionCheck | None:
         """When inputs act, inferred from motion; None where that is not inferred or leaves no alternative open."""
         return None
@@ -180,6 +184,27 @@ class Problem(Protocol):
     def as_events(self) -> EventProblem | None:
         """The problem itself where rows are events without time; None for time series."""
         return None
+
+
+class TrialSystem(Protocol):
+    """Whole trials (t) whose starts are free, as errors in noise levels. Methods depend on their arguments alone."""
+
+    @property
+    def trial_ids(self) -> tuple[str, ...]:
+        """The trials, in the order of all arrays."""
+        ...
+
+    @property
+    def start_steps(self) -> FloatArray:
+        """(t, s) a noise level of each start value, in SI units; changes of starts are counted in these."""
+        ...
+
+    def errors(self, model: Model, starts: FloatArray) -> FloatArray:
+        """(m, t, n) simulated minus measured, in noise levels, for m sets of starts (m, t, s) in `start_steps`.
+
+        NaN where nothing was measured. A simulation that diverges gives large finite numbers.
+        """
+        ...
 
 
 class EventProblem(Problem, Protocol):

@@ -30,7 +30,17 @@ from sim.bullet.windows import (
     steps_for,
 )
 from sim.dynamics.body_rollout import BodyMotion
-from sim.dynamics.hooks import BodyState, BodyWrench, JointFriction, JointState, JointTorque, Params
+from sim.dynamics.hooks import (
+    BodyState,
+    BodyWrench,
+    JointFriction,
+    JointState,
+    JointTorque,
+    Params,
+    StepHook,
+    fresh_memory,
+    step_value,
+)
 from sim.dynamics.linkage_rollout import LinkageModel, LinkageMotion, LinkageWindows
 from sim.dynamics.mechanism import LARGEST_RATE, Law
 
@@ -65,7 +75,7 @@ class BulletLinkageRollout(WindowsClient):
         out = np.empty((worlds, stamps, _STATE + 2 * joints))
         for w in range(worlds):
             self._start(starts[w], windows.q0[w], windows.qd0[w])
-            memory: list[dict[str, FloatArray]] = [{} for _ in laws]
+            memory = [fresh_memory(law.hook, (1, 1)) if isinstance(law.hook, StepHook) else np.empty(0) for law in laws]
             out[w, 0] = self._row(joints)
             for k in range(1, stamps):
                 self._advance(model, float(t_s[w, k - 1]), float(t_s[w, k]), wrenches, laws, memory)
@@ -160,7 +170,7 @@ class BulletLinkageRollout(WindowsClient):
         to_s: float,
         wrenches: Sequence[tuple[BodyWrench, Params]],
         laws: Sequence[Law],
-        memory: Sequence[dict[str, FloatArray]],
+        memory: Sequence[FloatArray],
     ) -> None:
         """Equal steps from one moment to another."""
         if to_s <= from_s:
@@ -196,7 +206,7 @@ class BulletLinkageRollout(WindowsClient):
                 pybullet.setJointMotorControl2(self._handle, j, pybullet.TORQUE_CONTROL, **torque)
 
     def _efforts(
-        self, model: LinkageModel, t_s: float, dt_s: float, laws: Sequence[Law], memory: Sequence[dict[str, FloatArray]]
+        self, model: LinkageModel, t_s: float, dt_s: float, laws: Sequence[Law], memory: Sequence[FloatArray]
     ) -> tuple[FloatArray, FloatArray]:
         """Joint efforts (j,) and dry friction (j,) now."""
         row = self._row(len(model.joints.tree))
@@ -204,14 +214,13 @@ class BulletLinkageRollout(WindowsClient):
         effort, largest = np.zeros_like(q), np.array(model.joints.friction, dtype=float)[None]
         for law, law_memory in zip(laws, memory, strict=True):
             column = np.s_[:, law.joint : law.joint + 1]
-            nothing = np.zeros((1, 1))
-            now = JointState(
-                np.array([[t_s]]), q[column], qd[column], nothing, nothing, dt_s, friction=largest[column].copy()
-            )
+            now = JointState(np.array([[t_s]]), q[column], qd[column], np.zeros((1, 1)), dt_s)
             if isinstance(law.hook, JointTorque):
-                effort[column] += law.hook.torque(now, law.params, law_memory)
+                effort[column] += step_value(law.hook, now, law.params, law_memory)
             elif isinstance(law.hook, JointFriction):
-                largest[column] += law.hook.limit(now, law.params, np.where(qd[column] < 0.0, -1.0, 1.0))
+                direction = np.where(qd[column] < 0.0, -1.0, 1.0)
+                now = now._replace(load=np.zeros((1, 1)), friction=largest[column].copy(), direction=direction)
+                largest[column] += step_value(law.hook, now, law.params, law_memory)
         return effort[0], np.maximum(largest[0], 0.0)
 
     def _pull(

@@ -19,9 +19,9 @@ from geom.mass.principal_axes import principal_axes
 from geom.pose import matrix_of, pose
 from schemas.arrays import FloatArray
 from schemas.robot_description import DescribedJoint, DescribedLink, Inertial, JointLimits, RobotDescription
-from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque
+from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque, StepHook, fresh_memory, step_value
 from sim.dynamics.joint_dynamics import joint_dynamics
-from sim.dynamics.mechanism import Law, MechanismModel, Windows, commanded_effort
+from sim.dynamics.mechanism import SUPPLY, Law, MechanismModel, Windows, commanded_effort
 from sim.dynamics.tree import Link, Tree
 
 MECHANISM_STEP_S = 1e-3
@@ -67,12 +67,12 @@ def _one_world(
     joints = range(len(model.tree))
     for j in joints:
         pybullet.resetJointState(body, j, windows.q0[0, j], windows.qd0[0, j], physicsClientId=client)
-    memory: list[dict[str, FloatArray]] = [{} for _ in laws]
+    memory = [fresh_memory(law.hook, (1, 1)) if isinstance(law.hook, StepHook) else np.empty(0) for law in laws]
     out = [_state(body, joints, client)]
     for k in range(windows.t_s.shape[1] - 1):
         span = float(windows.t_s[0, k + 1] - windows.t_s[0, k])
         steps = max(1, int(np.ceil(span / largest_step_s - 1e-9)))
-        aux = {name: values[:, k, None] for name, values in windows.aux.items()}
+        supply_V = windows.aux[SUPPLY][:, k, None] if SUPPLY in windows.aux else np.nan
         for s in range(steps if span > 0.0 else 0):
             h = span / steps
             # Before the motors: the engine turns their limits of effort into impulses when they are set.
@@ -80,7 +80,7 @@ def _one_world(
             q, qd = _state(body, joints, client)[:, None]
             t = windows.t_s[:, k, None] + s * h
             commanded = commanded_effort(model.drive, windows, k, q, qd)
-            effort, largest = _efforts(model, laws, memory, JointState(t, q, qd, commanded, commanded, h, aux))
+            effort, largest = _efforts(model, laws, memory, JointState(t, q, qd, commanded, h, supply_V=supply_V))
             _drive(body, effort[0], largest[0], client)
             pybullet.stepSimulation(physicsClientId=client)
         out.append(_state(body, joints, client))
@@ -88,7 +88,7 @@ def _one_world(
 
 
 def _efforts(
-    model: MechanismModel, laws: Sequence[Law], memory: Sequence[dict[str, FloatArray]], state: JointState
+    model: MechanismModel, laws: Sequence[Law], memory: Sequence[FloatArray], state: JointState
 ) -> tuple[FloatArray, FloatArray]:
     """Net effort beside gravity and inertia (1, j), and the largest dry friction (1, j)."""
     load = joint_dynamics(model.tree, model.gravity_W).at(state.q).load(state.qd)
@@ -96,21 +96,19 @@ def _efforts(
 
     def at(j: int) -> JointState:
         column = np.s_[:, j : j + 1]
-        return JointState(
-            state.t_s, state.q[column], state.qd[column], effort[column], load[column], state.dt_s, state.aux
-        )
+        return state._replace(q=state.q[column], qd=state.qd[column], effort=effort[column], load=load[column])
 
     for law, law_memory in zip(laws, memory, strict=True):
         if isinstance(law.hook, EffortMap):
-            effort[:, law.joint, None] = law.hook.map(at(law.joint), law.params, law_memory)
+            effort[:, law.joint, None] = step_value(law.hook, at(law.joint), law.params, law_memory)
     passive = -model.damping * state.qd
     for law, law_memory in zip(laws, memory, strict=True):
         if isinstance(law.hook, JointTorque):
-            passive[:, law.joint, None] += law.hook.torque(at(law.joint), law.params, law_memory)
+            passive[:, law.joint, None] += step_value(law.hook, at(law.joint), law.params, law_memory)
         elif isinstance(law.hook, JointFriction):
             direction = np.where(state.qd[:, law.joint, None] < 0.0, -1.0, 1.0)
-            now = replace(at(law.joint), friction=largest[:, law.joint, None].copy())
-            largest[:, law.joint, None] += law.hook.limit(now, law.params, direction)
+            now = at(law.joint)._replace(friction=largest[:, law.joint, None].copy(), direction=direction)
+            largest[:, law.joint, None] += step_value(law.hook, now, law.params, law_memory)
     # Gravity acts on the rigid links alone; the model may have gravity factors.
     zero = np.zeros_like(state.q)
     weight, modelled_weight = (

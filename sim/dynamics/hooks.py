@@ -13,8 +13,10 @@ that steps one world calls with w = 1.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from schemas.arrays import FloatArray
 from schemas.gap import Place
@@ -22,22 +24,30 @@ from schemas.gap import Place
 Params = Mapping[str, float]
 
 
-@dataclass(frozen=True)
-class JointState:
-    """Joints in mid step, all (w, j).
+class JointState(NamedTuple):
+    """One joint in mid step; floats in compiled roll-outs, arrays (w, 1) over worlds elsewhere.
 
-    load      magnitude of the force that the bearing transmits, for friction laws `by_load`; NaN for others.
-    friction  the dry friction of the laws before this one, for friction laws alone.
+    load       magnitude of the force (N) that the bearing transmits, for friction laws `by_load`; NaN for others.
+    friction   the dry friction of the laws before this one, and the `direction` of motion (-1 or 1), for friction laws
+               alone; NaN for others.
+    supply_V   the logged supply voltage; NaN without a log of it.
     """
 
-    t_s: FloatArray  # (w, 1)
-    q: FloatArray
-    qd: FloatArray
-    effort: FloatArray
-    load: FloatArray
-    dt_s: float
-    aux: Mapping[str, FloatArray] = field(default_factory=dict)  # (w, 1) each
-    friction: FloatArray | None = None
+    t_s: Any
+    q: Any
+    qd: Any
+    effort: Any
+    dt_s: Any
+    load: Any = np.nan
+    friction: Any = np.nan
+    direction: Any = np.nan
+    supply_V: Any = np.nan
+
+
+# Value of a law in a state, from its parameters in the order of the hook's `names`, and what it keeps between steps:
+# (m,) or (m, w, 1), NaN before the first step, written in place. Every operation is elementwise (NumPy functions, and
+# `sim.dynamics.elementwise.where`), so that one definition is compiled for one world and runs on arrays of worlds.
+StepLaw = Callable[[JointState, FloatArray, FloatArray], Any]
 
 
 @dataclass(frozen=True)
@@ -75,27 +85,46 @@ class CommandMap:
 
 @dataclass(frozen=True)
 class EffortMap:
-    """Effort of the motor (w, j) for the commanded effort; `memory` starts empty and is kept between steps."""
+    """Effort of the motor for the commanded effort; keeps `memory` numbers between steps."""
 
-    map: Callable[[JointState, Params, dict[str, FloatArray]], FloatArray]
+    law: StepLaw
+    names: tuple[str, ...]
+    memory: int = 0
 
 
 @dataclass(frozen=True)
 class JointTorque:
-    """A smooth force or torque on the joint (w, j)."""
+    """A smooth force or torque on the joint; keeps `memory` numbers between steps."""
 
-    torque: Callable[[JointState, Params, dict[str, FloatArray]], FloatArray]
+    law: StepLaw
+    names: tuple[str, ...]
+    memory: int = 0
 
 
 @dataclass(frozen=True)
 class JointFriction:
-    """Largest friction (w, j), at least 0, for motion along `direction` (w, j; -1 or 1); it never drives the joint.
+    """Largest friction, at least 0, for motion along the state's `direction`; it never drives the joint.
 
     `by_load` laws need the load of the bearing.
     """
 
-    limit: Callable[[JointState, Params, FloatArray], FloatArray]
+    law: StepLaw
+    names: tuple[str, ...]
     by_load: bool = False
+    memory: int = 0
+
+
+StepHook = EffortMap | JointTorque | JointFriction
+
+
+def fresh_memory(hook: StepHook, shape: tuple[int, ...] = ()) -> FloatArray:
+    """What a law keeps before its first step (m, *shape): NaN."""
+    return np.full((hook.memory, *shape), np.nan)
+
+
+def step_value(hook: StepHook, state: JointState, params: Params, memory: FloatArray) -> FloatArray:
+    """The value of a step's law for parameters by name."""
+    return hook.law(state, np.array([params[name] for name in hook.names], dtype=float), memory)
 
 
 @dataclass(frozen=True)

@@ -9,18 +9,31 @@ joint can stick.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from functools import cache
+from typing import Any, Literal
 
 import numpy as np
 
-from schemas.arrays import FloatArray
-from sim.dynamics.hooks import EffortMap, Hook, JointFriction, JointState, JointTorque, Params
+from schemas.arrays import FloatArray, IntArray
+from sim.dynamics.hooks import (
+    EffortMap,
+    Hook,
+    JointFriction,
+    JointState,
+    JointTorque,
+    Params,
+    StepHook,
+    fresh_memory,
+    step_value,
+)
 from sim.dynamics.joint_dynamics import JointDynamics, joint_dynamics
 from sim.dynamics.tree import Tree
 
 _JITTER = 0.1  # steps by which an interval may be longer: else half the rows of a jittery clock would take one more.
+SUPPLY = "supply_V"  # the side channel that laws read
 LARGEST_RATE = 1e4  # rad/s or m/s: beyond, a roll-out has diverged and is held there.
 
 
@@ -92,24 +105,46 @@ def rollout(
     Each interval between stamps is divided into equal steps of about `largest_step_s` at most (by its median over
     windows), each of these into `finer`.
     """
+    typical_s = _medians(np.diff(windows.t_s, axis=1))
+    steps = np.maximum(1, np.ceil(typical_s / largest_step_s - _JITTER)).astype(int) * finer
+    compiled = _compiled_rollout()
+    if compiled is not None and len(laws) <= compiled.MOST_LAWS:
+        return compiled.rollout(model, windows, laws, steps, typical_s, SUPPLY)
+    return rollout_in_numpy(model, windows, laws, steps, typical_s)
+
+
+@cache
+def _compiled_rollout() -> Any:
+    """The compiled form, where Numba is installed and `MANA_COMPILED` is not 0."""
+    if os.environ.get("MANA_COMPILED") == "0":
+        return None
+    try:
+        from sim.dynamics import compiled_rollout
+    except ImportError:
+        return None
+    return compiled_rollout
+
+
+def rollout_in_numpy(
+    model: MechanismModel, windows: Windows, laws: Sequence[Law], steps: IntArray, typical_s: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The reference, all worlds at once: `steps` (k - 1,) in each interval, which typically last `typical_s`."""
     worlds, stamps = windows.t_s.shape
     q, qd = windows.q0.astype(float).copy(), windows.qd0.astype(float).copy()
     Q, QD = (np.empty((worlds, stamps, q.shape[1])) for _ in range(2))
     Q[:, 0], QD[:, 0] = q, qd
     forces = _Forces.of(model, laws, worlds)
     spans = np.diff(windows.t_s, axis=1)
-    typical = _medians(spans)
     last_change, before = np.zeros_like(qd), np.zeros((worlds, 1))
     for k in range(stamps - 1):
-        steps = max(1, int(np.ceil(typical[k] / largest_step_s - _JITTER))) * finer
-        h = spans[:, k, None] / steps
-        dt_s = float(typical[k]) / steps
+        h = spans[:, k, None] / steps[k]
+        dt_s = float(typical_s[k]) / int(steps[k])
         aux = {name: values[:, k, None] for name, values in windows.aux.items()}
         half = 0.5 * h
         if k and len(model.tree) > 1:
             last_change = last_change * np.divide(h, before, out=np.zeros_like(h), where=before > 0.0)
         before = h
-        for s in range(steps):
+        for s in range(steps[k]):
             q = q + half * qd
             commanded = commanded_effort(model.drive, windows, k, q, qd)
             t = windows.t_s[:, k, None] + (s + 0.5) * h if laws else half
@@ -148,20 +183,23 @@ class _Forces:
 
     model: MechanismModel
     dynamics: JointDynamics
-    drives: tuple[tuple[Law, EffortMap, dict[str, FloatArray]], ...]
-    torques: tuple[tuple[Law, JointTorque, dict[str, FloatArray]], ...]
-    frictions: tuple[tuple[Law, JointFriction], ...]
+    drives: tuple[tuple[Law, EffortMap, FloatArray], ...]
+    torques: tuple[tuple[Law, JointTorque, FloatArray], ...]
+    frictions: tuple[tuple[Law, JointFriction, FloatArray], ...]
     has_friction: bool
     no_load: FloatArray  # (w, j) NaN, in place of loads that no law needs
 
     @staticmethod
     def of(model: MechanismModel, laws: Sequence[Law], worlds: int) -> _Forces:
-        frictions = tuple((law, law.hook) for law in laws if isinstance(law.hook, JointFriction))
+        def memory(law: Law) -> FloatArray:
+            return fresh_memory(law.hook, (worlds, 1)) if isinstance(law.hook, StepHook) else np.empty(0)
+
+        frictions = tuple((law, law.hook, memory(law)) for law in laws if isinstance(law.hook, JointFriction))
         return _Forces(
             model,
             joint_dynamics(model.tree, model.gravity_W),
-            tuple((law, law.hook, {}) for law in laws if isinstance(law.hook, EffortMap)),
-            tuple((law, law.hook, {}) for law in laws if isinstance(law.hook, JointTorque)),
+            tuple((law, law.hook, memory(law)) for law in laws if isinstance(law.hook, EffortMap)),
+            tuple((law, law.hook, memory(law)) for law in laws if isinstance(law.hook, JointTorque)),
             frictions,
             bool(frictions) or bool(model.friction.any()),
             np.full((worlds, len(model.tree)), np.nan),
@@ -169,11 +207,12 @@ class _Forces:
 
     def with_own_memory(self) -> _Forces:
         """A copy with separate memories, for a trial step."""
-        if not self.drives and not self.torques:
+        if not any(hook.memory for _, hook, _ in (*self.drives, *self.torques, *self.frictions)):
             return self
-        drives = tuple((law, hook, dict(memory)) for law, hook, memory in self.drives)
-        torques = tuple((law, hook, dict(memory)) for law, hook, memory in self.torques)
-        return replace(self, drives=drives, torques=torques)
+        drives = tuple((law, hook, memory.copy()) for law, hook, memory in self.drives)
+        torques = tuple((law, hook, memory.copy()) for law, hook, memory in self.torques)
+        frictions = tuple((law, hook, memory.copy()) for law, hook, memory in self.frictions)
+        return replace(self, drives=drives, torques=torques, frictions=frictions)
 
     def kick(
         self,
@@ -193,30 +232,31 @@ class _Forces:
         model, configuration = self.model, self.dynamics.at(q)
         effort = commanded.copy() if self.drives else commanded
 
-        def state(j: int, load: FloatArray, friction: FloatArray | None = None) -> JointState:
-            column = np.s_[:, j : j + 1]
-            joint_friction = None if friction is None else friction[column]
-            return JointState(t_s, q[column], qd[column], effort[column], load[column], dt_s, aux, joint_friction)
+        supply_V = aux.get(SUPPLY, np.nan)
 
-        no_load = self.no_load
+        def state(j: int) -> JointState:
+            column = np.s_[:, j : j + 1]
+            return JointState(t_s, q[column], qd[column], effort[column], dt_s, supply_V=supply_V)
+
         for law, hook, memory in self.drives:
-            effort[:, law.joint, None] = hook.map(state(law.joint, no_load), law.params, memory)
+            effort[:, law.joint, None] = step_value(hook, state(law.joint), law.params, memory)
         # The velocity-product force between links depends on rates so strongly that half a step matters.
         net = effort - configuration.bias(qd + 0.5 * last_change if len(model.tree) > 1 else qd)
         for law, hook, memory in self.torques:
-            net[:, law.joint, None] += hook.torque(state(law.joint, no_load), law.params, memory)
+            net[:, law.joint, None] += step_value(hook, state(law.joint), law.params, memory)
         free = configuration.free_rates(qd, net, model.damping, h)
         if self.has_friction:
             largest: FloatArray = model.friction
             if self.frictions:
                 # Bearing loads cost as much as all else: they are computed only for laws that need them.
-                load = configuration.load(qd) if any(hook.by_load for _, hook in self.frictions) else no_load
+                load = configuration.load(qd) if any(hook.by_load for _, hook, _ in self.frictions) else self.no_load
                 direction = np.where(free < -1e-9, -1.0, 1.0)
                 largest = model.friction + np.zeros(q.shape)
-                for law, hook in self.frictions:
+                for law, hook, memory in self.frictions:
                     column = np.s_[:, law.joint : law.joint + 1]
-                    now = state(law.joint, load, largest.copy())
-                    largest[column] += hook.limit(now, law.params, direction[column])
+                    friction = largest[column].copy()
+                    now = state(law.joint)._replace(load=load[column], friction=friction, direction=direction[column])
+                    largest[column] += step_value(hook, now, law.params, memory)
             free = configuration.with_dry_friction(free, h * np.maximum(largest, 0.0), model.damping, h)
         # NaN counts as beyond the bound, too.
         return np.fmin(np.fmax(free, -LARGEST_RATE), LARGEST_RATE)

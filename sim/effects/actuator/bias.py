@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.dynamics.hooks import EffortMap, JointState
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.effect import Confusable, Effect, Parameter
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return state.effort + params["torque_Nm"]
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return state.effort + values[0]
 
 
 EFFECT = Effect(
@@ -23,7 +25,7 @@ EFFECT = Effect(
         Confusable("joint.friction_asymmetry", "hold still, or let it swing with the drive off"),
         Confusable("joint.axis_tilt", "move over the whole range: gravity depends on position"),
     ),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("torque_Nm",)),
     mechanism=MechanismCandidacy(
         observable=lambda r: r.driven,
         bounds=lambda r: {"torque_Nm": (-r.torque, r.torque)},

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.dynamics.hooks import EffortMap, JointState
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.effect import Confusable, Effect, Parameter
 
 _LEAST_EFFORT = 1e-9  # N m (N): no division by what was never commanded
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return np.sign(state.effort) * np.maximum(np.abs(state.effort) - params["band_Nm"], 0.0)
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return np.sign(state.effort) * np.maximum(np.abs(state.effort) - values[0], 0.0)
 
 
 EFFECT = Effect(
@@ -27,7 +29,7 @@ EFFECT = Effect(
         Confusable("joint.coulomb_friction", "let the joint swing with the drive off"),
         Confusable("joint.backlash", "hold a small steady effort"),
     ),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("band_Nm",)),
     mechanism=MechanismCandidacy(
         observable=lambda r: r.driven,
         bounds=lambda r: {"band_Nm": (0.0, max(r.effort, _LEAST_EFFORT))},

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.dynamics.hooks import EffortMap, JointState
 from sim.effects.candidacy import MechanismCandidacy, within
 from sim.effects.effect import Confusable, Effect, Parameter
 from sim.effects.ranges import TOLERANCE
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return params["gain"] * state.effort
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return values[0] * state.effort
 
 
 EFFECT = Effect(
@@ -25,7 +27,7 @@ EFFECT = Effect(
         Confusable("joint.spring", "let the joint swing with the drive off"),
         Confusable("actuator.supply_sag", "log the supply voltage"),
     ),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("gain",)),
     mechanism=MechanismCandidacy(
         observable=lambda r: r.driven,
         nuisance=lambda joint: within("effort", "gain", 1.0, TOLERANCE if joint.driven else 0.0),

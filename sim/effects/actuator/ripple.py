@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.dynamics.hooks import EffortMap, JointState
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.common.travel import count_bounds, count_start
 from sim.effects.effect import Confusable, Effect, Parameter
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    wave = np.sin(params["count_per_rad"] * state.q - params["phase_rad"])
-    return state.effort * (1.0 + params["share"] * wave)
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    share, count_per_rad, phase_rad = values[0], values[1], values[2]
+    return state.effort * (1.0 + share * np.sin(count_per_rad * state.q - phase_rad))
 
 
 EFFECT = Effect(
@@ -28,7 +30,7 @@ EFFECT = Effect(
         Parameter("phase_rad", "rad", -np.pi, np.pi, 0.0, is_shape=True),
     ),
     confusables=(Confusable("joint.detent", "let the joint swing with the drive off"),),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("share", "count_per_rad", "phase_rad")),
     mechanism=MechanismCandidacy(
         observable=lambda r: r.driven,
         bounds=lambda r: {"count_per_rad": count_bounds(r)},

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.dynamics.hooks import EffortMap, JointState
 from sim.effects.candidacy import Bounds, MechanismCandidacy
 from sim.effects.effect import Confusable, Effect, Export, Parameter
 from sim.effects.ranges import JointRanges
@@ -15,8 +17,8 @@ _LOWEST_LIMIT, _HIGHEST_LIMIT = 0.1, 4.0  # limits that are searched, over the t
 _LIMIT_SHARES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95, 1.1)  # of it: a limit above all efforts has no gradient
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return np.minimum(np.maximum(state.effort, -params["limit_Nm"]), params["limit_Nm"])
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return np.minimum(np.maximum(state.effort, -values[0]), values[0])
 
 
 def _bounds(r: JointRanges) -> Bounds:
@@ -32,7 +34,7 @@ EFFECT = Effect(
     reveals="large efforts have no more effect than a certain one",
     parameters=(Parameter("limit_Nm", "N m (N)", 1e-4, 1e6, 1e6),),
     confusables=(Confusable("actuator.gain", "command small and large efforts: a gain scales both"),),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("limit_Nm",)),
     mechanism=MechanismCandidacy(
         observable=lambda r: r.driven,
         null=lambda r: {"limit_Nm": _bounds(r)["limit_Nm"][1]},

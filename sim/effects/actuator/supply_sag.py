@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.dynamics.elementwise import where
+from sim.dynamics.hooks import EffortMap, JointState
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.effect import Confusable, Effect, Parameter
 
@@ -14,11 +17,10 @@ _CHANNEL = "supply_V"
 _LOWEST_NOMINAL, _HIGHEST_NOMINAL = 0.9, 1.6
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    volts = state.aux.get("supply_V")
-    if volts is None:
-        return state.effort
-    return state.effort * np.maximum(0.0, 1.0 + params["sag"] * (volts / params["nominal_V"] - 1.0))
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    sag, nominal_V = values[0], values[1]
+    share = np.maximum(0.0, 1.0 + sag * (state.supply_V / nominal_V - 1.0))
+    return state.effort * where(np.isnan(state.supply_V), 1.0, share)
 
 
 EFFECT = Effect(
@@ -29,7 +31,7 @@ EFFECT = Effect(
     reveals="the same command gives less when the logged supply is low",
     parameters=(Parameter("sag", "1", 0.0, 5.0, 0.0), Parameter("nominal_V", "V", 0.1, 1e3, 12.0, is_shape=True)),
     confusables=(Confusable("actuator.gain", "let the supply vary at equal commands"),),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("sag", "nominal_V")),
     mechanism=MechanismCandidacy(
         observable=lambda r: r.driven and _CHANNEL in r.side_channels,
         null=lambda r: {"nominal_V": r.side_channels[_CHANNEL]},

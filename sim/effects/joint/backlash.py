@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.dynamics.elementwise import where
+from sim.dynamics.hooks import EffortMap, JointState
 from sim.effects.candidacy import Bounds, MechanismCandidacy, Values
 from sim.effects.effect import Confusable, Effect, Parameter
 from sim.effects.ranges import JointRanges
@@ -16,37 +19,39 @@ _FAST = 1e-9  # kg m2 (kg): a drive so light crosses at once
 _STANDSTILL_S = 1e-9  # rows may share a stamp
 
 
-def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
+def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
     """Effort passes while the drive leans on a flank; across the gap it gathers way, and gives it up where it lands.
 
     Landing is plastic and may be anywhere in a step: what passes is divided between this step and the next so that
     momentum and its mean time are right.
     """
-    half, dt_s = 0.5 * params["gap_rad"], max(state.dt_s, _STANDSTILL_S)
-    inertia = max(params["gap_inertia_kgm2rad"] / params["gap_rad"], _FAST)
-    if not memory:
-        play = half * np.sign(state.effort)  # drive minus joint
-        memory.update(play=play, rate=state.qd, led=state.qd, deferred=np.zeros_like(state.effort))
-    play, rate, deferred = memory["play"], memory["rate"], memory["deferred"]
+    gap_inertia_kgm2rad, gap_rad = values[0], values[1]
+    half, dt_s = 0.5 * gap_rad, np.maximum(state.dt_s, _STANDSTILL_S)
+    inertia = np.maximum(gap_inertia_kgm2rad / gap_rad, _FAST)
+    first = np.isnan(memory[0])
+    play = where(first, half * np.sign(state.effort), memory[0])  # drive minus joint
+    rate = where(first, state.qd, memory[1])
+    led = where(first, state.qd, memory[2])
+    deferred = where(first, 0.0, memory[3])
     # To keep up with the joint; one that was just struck was no faster before.
-    needed = inertia * (state.qd - memory["led"]) / dt_s
-    needed = np.where(np.isnan(needed), 0.0, needed)
+    needed = inertia * (state.qd - led) / dt_s
+    needed = where(np.isnan(needed), 0.0, needed)
     in_contact = (np.abs(play) >= half) & (play * (state.effort - needed) >= 0.0)
-    free = np.where(in_contact, state.qd, rate + state.effort * dt_s / inertia)
+    free = where(in_contact, state.qd, rate + state.effort * dt_s / inertia)
     relative_travel = (0.5 * (rate + free) - state.qd) * dt_s
-    closes_gap = (np.abs(play + relative_travel) >= half) & ~in_contact & (relative_travel != 0.0)
-    share = (np.copysign(half, relative_travel) - play) / np.where(closes_gap, relative_travel, 1.0)
+    closes_gap = (np.abs(play + relative_travel) >= half) & np.logical_not(in_contact) & (relative_travel != 0.0)
+    share = (np.copysign(half, relative_travel) - play) / where(closes_gap, relative_travel, 1.0)
     share = np.minimum(np.maximum(share, 0.0), 1.0)  # of the step, before it
-    passed = np.where(closes_gap, inertia * (free - state.qd) / dt_s, 0.0)
+    passed = where(closes_gap, inertia * (free - state.qd) / dt_s, 0.0)
     contact_effort = state.effort * (1.0 - share)
-    later = np.where(
+    later = where(
         closes_gap, (passed - contact_effort) * share + 0.5 * contact_effort * (1.0 + share) - 0.5 * passed, 0.0
     )
-    memory["play"] = np.where(in_contact, play, np.minimum(np.maximum(play + relative_travel, -half), half))
-    memory["rate"] = np.where(closes_gap, state.qd, free)
-    memory["led"] = np.where(in_contact & (deferred == 0.0), state.qd, np.nan)
-    memory["deferred"] = later
-    return deferred + np.where(in_contact, state.effort, passed - later)
+    memory[0] = where(in_contact, play, np.minimum(np.maximum(play + relative_travel, -half), half))
+    memory[1] = where(closes_gap, state.qd, free)
+    memory[2] = where(in_contact & (deferred == 0.0), state.qd, np.nan)
+    memory[3] = later
+    return deferred + where(in_contact, state.effort, passed - later)
 
 
 def _bounds(r: JointRanges) -> Bounds:
@@ -82,7 +87,7 @@ EFFECT = Effect(
         Confusable("sensor.latency", "reverse at several speeds"),
         Confusable("actuator.lag", "reverse at several speeds: a lag is a time, play is an angle"),
     ),
-    hook=EffortMap(_map),
+    hook=EffortMap(_map, ("gap_inertia_kgm2rad", "gap_rad"), memory=4),
     mechanism=MechanismCandidacy(
         observable=lambda r: r.driven,
         bounds=_bounds,

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import JointState, JointTorque, Params
+from sim.dynamics.hooks import JointState, JointTorque
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.common.travel import count_bounds, count_start
 from sim.effects.effect import Confusable, Effect, Parameter
 
 
-def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return -params["torque_Nm"] * np.sin(params["count_per_rad"] * state.q - params["phase_rad"])
+def _torque(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    torque_Nm, count_per_rad, phase_rad = values[0], values[1], values[2]
+    return -torque_Nm * np.sin(count_per_rad * state.q - phase_rad)
 
 
 EFFECT = Effect(
@@ -30,7 +33,7 @@ EFFECT = Effect(
         Confusable("actuator.ripple", "let the joint swing with the drive off"),
         Confusable("joint.gravity_load", "move through a full turn: gravity repeats once"),
     ),
-    hook=JointTorque(_torque),
+    hook=JointTorque(_torque, ("torque_Nm", "count_per_rad", "phase_rad")),
     mechanism=MechanismCandidacy(
         bounds=lambda r: {"torque_Nm": (0.0, r.torque), "count_per_rad": count_bounds(r)},
         start=lambda r: {"count_per_rad": count_start(r)},

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import JointFriction, JointState, Params
+from sim.dynamics.hooks import JointFriction, JointState
 from sim.effects.candidacy import Bounds, MechanismCandidacy
 from sim.effects.effect import Confusable, Effect, Parameter
 from sim.effects.ranges import JointRanges
 
 
-def _limit(state: JointState, params: Params, direction: FloatArray) -> FloatArray:
+def _limit(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
     """No direction can have less than no friction, so the difference is at most the friction that is there."""
-    most = np.inf if state.friction is None else state.friction
-    return np.clip(params["torque_Nm"], -most, most) * direction
+    return np.minimum(np.maximum(values[0], -state.friction), state.friction) * state.direction
 
 
 def _bounds(r: JointRanges) -> Bounds:
@@ -33,6 +34,6 @@ EFFECT = Effect(
         Confusable("actuator.bias", "hold still: a bias pushes, friction does not; or let it swing with the drive off"),
         Confusable("joint.axis_tilt", "move over the whole range: gravity depends on position, friction does not"),
     ),
-    hook=JointFriction(_limit),
+    hook=JointFriction(_limit, ("torque_Nm",)),
     mechanism=MechanismCandidacy(bounds=_bounds),
 )

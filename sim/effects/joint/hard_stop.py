@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import JointState, JointTorque, Params
+from sim.dynamics.hooks import JointState, JointTorque
 from sim.effects.candidacy import Bounds, MechanismCandidacy, Values
 from sim.effects.effect import Confusable, Effect, Export, Parameter
 from sim.effects.ranges import JointRanges
@@ -18,15 +20,12 @@ _MOST_LOSS = 3.0  # of a stop's force on the way in beyond that at rest, at the 
 _LEAST_SPAN = 1e-9  # rad (m)
 
 
-def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    above = np.maximum(state.q - params["upper_rad"], 0.0) * _resists(params, state.qd)
-    below = np.maximum(params["lower_rad"] - state.q, 0.0) * _resists(params, -state.qd)
-    return params["stiffness_Nm_per_rad"] * (below - above)
-
-
-def _resists(params: Params, inwards: FloatArray) -> FloatArray:
+def _torque(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
     """More on the way in than on the way out, so that a blow loses energy; a stop never pulls."""
-    return np.maximum(1.0 + params["loss_s_per_rad"] * inwards, 0.0)
+    lower_rad, upper_rad, stiffness_Nm_per_rad, loss_s_per_rad = values[0], values[1], values[2], values[3]
+    above = np.maximum(state.q - upper_rad, 0.0) * np.maximum(1.0 + loss_s_per_rad * state.qd, 0.0)
+    below = np.maximum(lower_rad - state.q, 0.0) * np.maximum(1.0 + loss_s_per_rad * -state.qd, 0.0)
+    return stiffness_Nm_per_rad * (below - above)
 
 
 def _bounds(r: JointRanges) -> Bounds:
@@ -72,7 +71,7 @@ EFFECT = Effect(
         Parameter("loss_s_per_rad", "s/rad (s/m)", 0.0, 1000.0, 0.0),
     ),
     confusables=(Confusable("joint.spring", "approach the end slowly: a spring acts over the whole range"),),
-    hook=JointTorque(_torque),
+    hook=JointTorque(_torque, ("lower_rad", "upper_rad", "stiffness_Nm_per_rad", "loss_s_per_rad")),
     mechanism=MechanismCandidacy(
         null=lambda r: {"lower_rad": r.low - r.span, "upper_rad": r.high + r.span},
         bounds=_bounds,

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import JointFriction, JointState, Params
+from sim.dynamics.hooks import JointFriction, JointState
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.effect import Confusable, Effect, Parameter
 
 
-def _limit(state: JointState, params: Params, direction: FloatArray) -> FloatArray:
-    return params["radius_m"] * state.load
+def _limit(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return values[0] * state.load
 
 
 EFFECT = Effect(
@@ -20,7 +22,7 @@ EFFECT = Effect(
     reveals="unexplained torque grows with the load at equal speed",
     parameters=(Parameter("radius_m", "m (1 for sliding joints)", 0.0, 1.0, 0.0),),
     confusables=(Confusable("joint.coulomb_friction", "move with two different loads on the joint"),),
-    hook=JointFriction(_limit, by_load=True),
+    hook=JointFriction(_limit, ("radius_m",), by_load=True),
     mechanism=MechanismCandidacy(
         observable=lambda r: r.any_feels_gravity, bounds=lambda r: {"radius_m": (0.0, r.torque / r.load)}
     ),

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import JointState, JointTorque, Params
+from sim.dynamics.hooks import JointState, JointTorque
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.effect import Confusable, Effect, Parameter
 
 
-def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return -params["drag_Nms2_per_rad2"] * state.qd * np.abs(state.qd)
+def _torque(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    return -values[0] * state.qd * np.abs(state.qd)
 
 
 EFFECT = Effect(
@@ -22,6 +24,6 @@ EFFECT = Effect(
     reveals="large swings lose amplitude faster, in proportion to its square",
     parameters=(Parameter("drag_Nms2_per_rad2", "N m s2/rad2 (N s2/m2)", 0.0, 1e3, 0.0),),
     confusables=(Confusable("joint.viscous_friction", "move at speeds that differ by a factor of three or more"),),
-    hook=JointTorque(_torque),
+    hook=JointTorque(_torque, ("drag_Nms2_per_rad2",)),
     mechanism=MechanismCandidacy(bounds=lambda r: {"drag_Nms2_per_rad2": (0.0, r.torque / r.speed**2)}),
 )

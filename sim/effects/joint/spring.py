@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import JointState, JointTorque, Params
+from sim.dynamics.hooks import JointState, JointTorque
 from sim.effects.candidacy import Bounds, MechanismCandidacy, TossCandidacy
 from sim.effects.effect import Confusable, Effect, Parameter
 from sim.effects.ranges import TossRanges
@@ -13,8 +15,9 @@ _LEAST_SPAN = 1e-9  # rad (m)
 _FASTEST_RADPS = 60.0  # of a swing of the link by itself
 
 
-def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
-    return -params["stiffness_Nm_per_rad"] * (state.q - params["rest_rad"])
+def _torque(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    stiffness_Nm_per_rad, rest_rad = values[0], values[1]
+    return -stiffness_Nm_per_rad * (state.q - rest_rad)
 
 
 def _linked_bounds(r: TossRanges) -> Bounds:
@@ -38,7 +41,7 @@ EFFECT = Effect(
         Confusable("joint.gravity_load", "move through a quarter turn or more: a spring is straight, gravity a sine"),
         Confusable("actuator.gain", "let the joint swing with the drive off"),
     ),
-    hook=JointTorque(_torque),
+    hook=JointTorque(_torque, ("stiffness_Nm_per_rad", "rest_rad")),
     mechanism=MechanismCandidacy(
         null=lambda r: {"rest_rad": 0.5 * (r.low + r.high)},
         bounds=lambda r: {

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import JointFriction, JointState, Params
+from sim.dynamics.hooks import JointFriction, JointState
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.effect import Confusable, Effect, Parameter
 
@@ -13,8 +15,9 @@ _FASTER = 300.0  # the speed that was reached over the slowest law
 _TYPICAL = 0.1  # of the speed that was reached
 
 
-def _limit(state: JointState, params: Params, direction: FloatArray) -> FloatArray:
-    return params["torque_Nm"] * np.exp(-((state.qd / params["velocity_radps"]) ** 2))
+def _limit(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    torque_Nm, velocity_radps = values[0], values[1]
+    return torque_Nm * np.exp(-((state.qd / velocity_radps) ** 2))
 
 
 EFFECT = Effect(
@@ -31,7 +34,7 @@ EFFECT = Effect(
         Confusable("joint.coulomb_friction", "dwell at very low speeds in both directions"),
         Confusable("joint.detent", "stop at several positions: detents stay in place, stiction moves along"),
     ),
-    hook=JointFriction(_limit),
+    hook=JointFriction(_limit, ("torque_Nm", "velocity_radps")),
     mechanism=MechanismCandidacy(
         bounds=lambda r: {"torque_Nm": (0.0, r.torque), "velocity_radps": (r.speed / _FASTER, r.speed)},
         start=lambda r: {"velocity_radps": _TYPICAL * r.speed},

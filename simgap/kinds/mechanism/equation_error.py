@@ -15,9 +15,17 @@ import numpy as np
 from scipy import sparse
 
 from schemas.arrays import FloatArray, IntArray
-from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque, Series
+from sim.dynamics.hooks import (
+    EffortMap,
+    JointFriction,
+    JointState,
+    JointTorque,
+    Series,
+    fresh_memory,
+    step_value,
+)
 from sim.dynamics.joint_dynamics import joint_dynamics
-from sim.dynamics.mechanism import Drive, Law, MechanismModel
+from sim.dynamics.mechanism import SUPPLY, Drive, Law, MechanismModel
 from sim.effects.common.series import with_columns
 from simgap.inference.fit import Errors, Fit, extend, fit, promising_starts, resampling_units
 from simgap.inference.losses import paired_p, paired_p_where_affected
@@ -195,23 +203,23 @@ def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
     by_load = any(isinstance(law.hook, JointFriction) and law.hook.by_load for law in applied.laws)
     load = posture.load(qd) if by_load else np.full_like(q, np.nan)
     given = _given(mechanism.drive, stack.columns, q, qd)
-    aux = {n[4:]: v for n, v in stack.columns.items() if n.startswith("aux:")}
+    supply_V = stack.columns.get(f"aux:{SUPPLY}", np.full((len(q), 1), np.nan))
     passive = -mechanism.damping * qd
     largest = {d: np.broadcast_to(mechanism.friction, q.shape).copy() for d in (-1.0, 1.0)}
     for number, law in enumerate(applied.laws):
         one = np.s_[:, law.joint : law.joint + 1]
-        state = JointState(stack.t_s[:, None], q[one], qd[one], given[one], load[one], stack.step_s, aux)
+        state = JointState(stack.t_s[:, None], q[one], qd[one], given[one], stack.step_s, load[one], supply_V=supply_V)
         if isinstance(law.hook, EffortMap):
             last = stack.passed.get(number)
             if last is None or last[0] != law or not np.array_equal(last[1], state.effort):
                 stack.passed[number] = last = law, state.effort.copy(), _mapped(law.hook, law, state, stack.spans)
             given[one] = last[2]
         elif isinstance(law.hook, JointTorque):
-            passive[one] += law.hook.torque(state, law.params, {})
+            passive[one] += step_value(law.hook, state, law.params, fresh_memory(law.hook, q[one].shape))
         elif isinstance(law.hook, JointFriction):
             for d, limit in largest.items():
-                now = replace(state, friction=limit[one])
-                limit[one] += law.hook.limit(now, law.params, np.full_like(q[one], d))
+                now = state._replace(friction=limit[one], direction=d)
+                limit[one] += step_value(law.hook, now, law.params, fresh_memory(law.hook, q[one].shape))
     rest = required_effort - given - passive
     rest = rest + _friction(rest, qd, largest, stack.qd_noise)
     still = np.zeros_like(q)
@@ -220,18 +228,16 @@ def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
 
 def _mapped(hook: EffortMap, law: Law, state: JointState, spans: Sequence[tuple[int, int]]) -> FloatArray:
     """Effort that a drive gives row by row; a drive that remembers is led through each trial in time, all at once."""
-    memory: dict[str, FloatArray] = {}
-    at_once = hook.map(state, law.params, memory)
-    if not memory:
+    at_once = step_value(hook, state, law.params, fresh_memory(hook, state.q.shape))
+    if not hook.memory:
         return at_once
     longest = max(b - a for a, b in spans)
     rows = np.stack([np.minimum(np.arange(a, a + longest), b - 1) for a, b in spans])  # the last row is held
-    memory, out = {}, at_once.copy()
+    memory, out = fresh_memory(hook, (len(spans), 1)), at_once.copy()
     for k in range(longest):
         r = rows[:, k]
-        aux = {n: v[r] for n, v in state.aux.items()}
-        now = JointState(state.t_s[r], state.q[r], state.qd[r], state.effort[r], state.load[r], state.dt_s, aux)
-        out[r] = hook.map(now, law.params, memory)
+        now = JointState(state.t_s[r], state.q[r], state.qd[r], state.effort[r], state.dt_s, supply_V=state.supply_V[r])
+        out[r] = step_value(hook, now, law.params, memory)
     return out
 
 

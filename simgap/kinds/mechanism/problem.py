@@ -18,6 +18,7 @@ from simgap.kinds.mechanism.candidates import candidates_of, nuisances_of
 from simgap.kinds.mechanism.equation_error import estimate
 from simgap.kinds.mechanism.input_timing import InputTiming, stamp_jitter_s
 from simgap.kinds.mechanism.inputs import permuted_inputs
+from simgap.kinds.mechanism.whole_trials import MechanismTrials
 from simgap.kinds.mechanism.windowed_logs import LONG_VIEW, InitialStates, WindowedLogs
 from simgap.kinds.mechanism.windows import Cut
 from simgap.problem import Candidate, DirectEstimate, JointMotion, Model, Problem, View
@@ -200,6 +201,10 @@ class MechanismProblem(Problem):
             if paired_p(losses, theirs) < _TIMING_ALPHA and theirs.sum() < losses.sum():
                 best, losses = other, theirs
         return best
+
+    def whole_trials(self, trials: Sequence[str]) -> MechanismTrials:
+        """See `simgap.problem.Problem`."""
+        return MechanismTrials(self.declared, self.logs.by_trial, trials, self.logs.step_s)
 
     def timing_check(self) -> ConventionCheck | None:
         """See `simgap.problem.Problem`."""

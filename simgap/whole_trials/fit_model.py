@@ -1,0 +1,303 @@
+"""Fits of whole models: parameters shared by all trials and a free start of each, by Gauss and Newton.
+
+From terms with start values to values, starts, deviance per trial and information. The starts of each trial are
+eliminated from the normal equations (Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973), so that their number does not
+matter; steps are damped (Levenberg, Marquardt). The deviance is the sum of squared errors in noise levels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from schemas.arrays import FloatArray
+from simgap.problem import Model, Term, TrialSystem
+from simgap.whole_trials.policy import Policy
+
+_DIFFERENCE = 2e-3  # of a parameter's range: step of differences
+_LARGEST_ERROR = 1e4  # noise levels beyond which an error counts no more: what is further off has diverged
+_START_PRIOR = 1e-3  # precision that holds a start in place, in its steps: a start may be of no effect
+_DAMPING, _MOST_DAMPING, _TRIALS = 1e-3, 1e6, 6
+_SINGULAR = 1e-9
+
+
+@dataclass(frozen=True)
+class ModelFit:
+    """A fitted model.
+
+    starts      (t, s) in the system's start steps.
+    deviance    (t,) sum of squared errors in noise levels.
+    rows        (t,) errors that were compared, less the start values that they determine.
+    information (p, p) and `gradients` (t, p) of half the deviance in shares of the parameters' ranges, starts
+                eliminated; `trial_information` (t, p, p) are the parts of each trial.
+    """
+
+    model: Model
+    starts: FloatArray
+    deviance: FloatArray
+    rows: FloatArray
+    trial_information: FloatArray
+    gradients: FloatArray
+
+    @property
+    def effects(self) -> tuple[Term, ...]:
+        """Terms that are no nuisances."""
+        return tuple(t for t in self.model if not t.candidate.nuisance)
+
+    @property
+    def keys(self) -> frozenset[str]:
+        """Of its effects."""
+        return frozenset(t.candidate.key for t in self.effects)
+
+    @property
+    def excess(self) -> float:
+        """Mean square error in noise levels, less that of noise alone."""
+        return float(self.deviance.sum() / self.rows.sum() - 1.0)
+
+
+@dataclass(frozen=True)
+class Space:
+    """The parameters of a model as one vector (p,): bounds, ranges, and the prior of nuisances."""
+
+    low: FloatArray
+    high: FloatArray
+    prior_mean: FloatArray
+    prior_precision: FloatArray
+
+    @property
+    def span(self) -> FloatArray:
+        """(p,) ranges; one where there is none."""
+        return np.where(self.high > self.low, self.high - self.low, 1.0)
+
+    @staticmethod
+    def of(model: Model) -> Space:
+        """Nuisances are believed to lie about their declared value, half their range away (1 sigma)."""
+        names = [(t.candidate, n) for t in model for n in t.values]
+        low, high = (np.array([c.bounds[n][end] for c, n in names]) for end in (0, 1))
+        nuisance = np.array([c.nuisance for c, _ in names], dtype=bool)
+        half = np.where(high > low, 0.5 * (high - low), 1.0)
+        mean = np.array([c.null[n] for c, n in names])
+        return Space(low, high, np.where(nuisance, mean, 0.0), np.where(nuisance, 1.0 / half**2, 0.0))
+
+    def penalty(self, vector: FloatArray) -> float:
+        """What the prior adds to the deviance."""
+        return float((self.prior_precision * (vector - self.prior_mean) ** 2).sum())
+
+
+def vector_of(model: Model) -> FloatArray:
+    """(p,) values of all terms in their order."""
+    return np.array([v for t in model for v in t.values.values()], dtype=float)
+
+
+def with_vector(model: Model, vector: FloatArray) -> Model:
+    """The model with these values."""
+    values = iter(vector)
+    return tuple(Term(t.candidate, {n: float(next(values)) for n in t.values}) for t in model)
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Errors (t, n) of a model and their slopes: (t, n, p) in shares of the parameters' ranges, (t, n, s) in starts.
+
+    What was not measured is zero in all three; `rows` (t,) counts the rest.
+    """
+
+    errors: FloatArray
+    parameter_slopes: FloatArray
+    start_slopes: FloatArray
+    rows: FloatArray
+
+    def with_parameters(self, slopes: FloatArray) -> Linearisation:
+        """With further columns (t, n, q)."""
+        return replace(self, parameter_slopes=np.concatenate([self.parameter_slopes, slopes], axis=2))
+
+    def only(self, chosen: FloatArray) -> Linearisation:
+        """With the chosen parameters alone."""
+        return replace(self, parameter_slopes=self.parameter_slopes[..., chosen])
+
+    def reduced(self) -> tuple[FloatArray, FloatArray]:
+        """Information (t, p, p) and gradients (t, p) of half the deviance per trial, starts eliminated."""
+        blocks = self._blocks(0.0)
+        through = blocks.mixed @ blocks.inverse
+        information = blocks.parameters - through @ np.swapaxes(blocks.mixed, 1, 2)
+        return information, blocks.gradient - np.einsum("tps,ts->tp", through, blocks.start_gradient)
+
+    def _blocks(self, damping: float) -> _Blocks:
+        A, B, e = self.parameter_slopes, self.start_slopes, self.errors
+        At, Bt = np.swapaxes(A, 1, 2), np.swapaxes(B, 1, 2)
+        starts = Bt @ B
+        held = starts * (1.0 + damping * np.eye(B.shape[2])) + _START_PRIOR * np.eye(B.shape[2])
+        return _Blocks(At @ A, At @ B, np.linalg.inv(held), _product(At, e), _product(Bt, e))
+
+    def step(self, damping: float, prior: FloatArray, prior_gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Damped steps of the parameters (p,), in shares of their ranges, and the starts that follow any such step.
+
+        Returned are the steps and, for `starts_after`, nothing else: see there.
+        """
+        blocks = self._blocks(damping)
+        through = blocks.mixed @ blocks.inverse
+        information = (blocks.parameters - through @ np.swapaxes(blocks.mixed, 1, 2)).sum(axis=0) + np.diag(prior)
+        gradient = (blocks.gradient - np.einsum("tps,ts->tp", through, blocks.start_gradient)).sum(axis=0)
+        gradient = gradient + prior_gradient
+        return -solve_safely(information + damping * np.diag(np.diag(information)), gradient), gradient
+
+    def starts_after(self, damping: float, steps: FloatArray) -> FloatArray:
+        """(t, s) changes of the starts for steps (p,) of the parameters."""
+        blocks = self._blocks(damping)
+        pull = blocks.start_gradient + np.einsum("tps,p->ts", blocks.mixed, steps)
+        return -np.einsum("tsr,tr->ts", blocks.inverse, pull)
+
+
+@dataclass(frozen=True)
+class _Blocks:
+    """Normal equations per trial: parameters (t, p, p), mixed (t, p, s), the starts' inverse (t, s, s), gradients."""
+
+    parameters: FloatArray
+    mixed: FloatArray
+    inverse: FloatArray
+    gradient: FloatArray
+    start_gradient: FloatArray
+
+
+def _product(transposed: FloatArray, errors: FloatArray) -> FloatArray:
+    return (transposed @ errors[:, :, None])[:, :, 0]
+
+
+def solve_safely(matrix: FloatArray, right: FloatArray) -> FloatArray:
+    """The smallest solution (p,) of a symmetric system that may be singular."""
+    if not len(right):
+        return right
+    eased = matrix + _SINGULAR * max(float(np.trace(matrix)) / len(right), 1e-300) * np.eye(len(right))
+    return np.asarray(np.linalg.lstsq(eased, right, rcond=1e-12)[0])
+
+
+def clipped(errors: FloatArray) -> FloatArray:
+    """Errors with what diverged held at a large number; NaN, where nothing was measured, stays."""
+    return np.clip(errors, -_LARGEST_ERROR, _LARGEST_ERROR)
+
+
+def deviances(errors: FloatArray) -> FloatArray:
+    """(t,) of errors (t, n)."""
+    return np.nansum(errors**2, axis=1)
+
+
+def linearise(system: TrialSystem, model: Model, starts: FloatArray, fixed: bool = False) -> Linearisation:
+    """Errors and slopes of a model at these starts; `fixed` leaves out the slopes in parameters."""
+    steps = starts.shape[1]
+    moved = np.repeat(starts[None], steps + 1, axis=0)
+    for s in range(steps):
+        moved[s + 1, :, s] += 1.0
+    plain, *after = clipped(system.errors(model, moved))
+    measured = np.isfinite(plain)
+    start_slopes = np.stack([a - plain for a in after], axis=2) if after else np.zeros((*plain.shape, 0))
+    columns = [] if fixed else _parameter_slopes(system, model, starts, plain)
+    slopes = np.stack(columns, axis=2) if columns else np.zeros((*plain.shape, 0))
+    rows = np.maximum(measured.sum(axis=1) - steps, 1).astype(float)
+    return Linearisation(*(np.where(_like(measured, x), x, 0.0) for x in (plain, slopes, start_slopes)), rows)
+
+
+def _like(measured: FloatArray, values: FloatArray) -> FloatArray:
+    return measured if values.ndim == 2 else measured[:, :, None]
+
+
+def _parameter_slopes(system: TrialSystem, model: Model, starts: FloatArray, plain: FloatArray) -> list[FloatArray]:
+    space, vector = Space.of(model), vector_of(model)
+    out = []
+    for p, span in enumerate(space.span):
+        h = _DIFFERENCE * span
+        if vector[p] + h > space.high[p]:
+            h = -h
+        moved = vector.copy()
+        moved[p] += h
+        out.append((clipped(system.errors(with_vector(model, moved), starts[None]))[0] - plain) / h * span)
+    return out
+
+
+def fit_model(
+    system: TrialSystem,
+    model: Model,
+    starts: FloatArray,
+    policy: Policy,
+    *,
+    iterations: int | None = None,
+    fixed: bool = False,
+) -> ModelFit:
+    """The model fitted from its values and these starts (t, s); `fixed` fits the starts alone.
+
+    Values stay within the candidates' bounds.
+    """
+    space, vector = Space.of(model), vector_of(model)
+    errors = clipped(system.errors(model, starts[None]))[0]
+    cost = deviances(errors).sum() + space.penalty(vector)
+    damping = _DAMPING
+    for _ in range(iterations or policy.iterations):
+        linear = linearise(system, with_vector(model, vector), starts, fixed)
+        stepped = None
+        while damping <= _MOST_DAMPING and stepped is None:
+            stepped = _try_step(system, model, linear, space, vector, starts, cost, damping, fixed)
+            damping = damping * 10.0 if stepped is None else max(damping / 10.0, 1e-7)
+        if stepped is None:
+            break
+        before, (vector, starts, cost) = cost, stepped
+        if before - cost < policy.least_step:
+            break
+        damping = min(damping, 1.0)
+    return fit_at(system, with_vector(model, vector), starts)
+
+
+def _try_step(
+    system: TrialSystem,
+    model: Model,
+    linear: Linearisation,
+    space: Space,
+    vector: FloatArray,
+    starts: FloatArray,
+    cost: float,
+    damping: float,
+    fixed: bool,
+) -> tuple[FloatArray, FloatArray, float] | None:
+    """Values, starts and cost after a damped step; None where the cost does not fall."""
+    moved = vector
+    if not fixed and len(vector):
+        prior = space.prior_precision * space.span**2
+        steps, _ = linear.step(damping, prior, space.prior_precision * space.span * (vector - space.prior_mean))
+        moved = np.clip(vector + steps * space.span, space.low, space.high)
+    shares = (moved - vector) / space.span if not fixed else np.zeros(0)
+    after = starts + linear.starts_after(damping, shares)
+    errors = clipped(system.errors(with_vector(model, moved), after[None]))[0]
+    lower = deviances(errors).sum() + space.penalty(moved)
+    return (moved, after, float(lower)) if lower < cost else None
+
+
+def fit_at(system: TrialSystem, model: Model, starts: FloatArray) -> ModelFit:
+    """The record of a model at given values and starts."""
+    linear = linearise(system, model, starts)
+    information, gradients = linear.reduced()
+    return ModelFit(model, starts, deviances(linear.errors), linear.rows, information, gradients)
+
+
+def half_widths(fit: ModelFit, quantile: float) -> dict[str, dict[str, float]]:
+    """Half widths of intervals by key and parameter: clustered by trial, or of the noise where that is more.
+
+    The sandwich over trials (Huber; White, Econometrica 50, 1982) covers errors that repeat within a trial; with few
+    trials it is uncertain itself, and the information alone gives the least.
+    """
+    space = Space.of(fit.model)
+    if not len(space.low):
+        return {}
+    information = fit.trial_information.sum(axis=0) + np.diag(space.prior_precision * space.span**2)
+    inverse = np.linalg.pinv(information, rcond=1e-12, hermitian=True)
+    trials = len(fit.gradients)
+    spread = fit.gradients - fit.gradients.mean(axis=0)
+    clustered = inverse @ (spread.T @ spread) @ inverse * trials / max(trials - 1, 1)
+    noise = inverse * max(1.0, 1.0 + fit.excess)
+    error = np.sqrt(np.maximum(np.maximum(np.diag(clustered), np.diag(noise)), 0.0)) * space.span
+    widths = iter(quantile * error)
+    return {t.candidate.key: {n: float(next(widths)) for n in t.values} for t in fit.model}
+
+
+def start_model(candidates: Sequence[Term]) -> Model:
+    """Terms as a model."""
+    return tuple(candidates)

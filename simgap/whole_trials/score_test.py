@@ -1,0 +1,118 @@
+"""Score tests: how much deviance each candidate would take off a fitted model, from one roll-out per probe.
+
+A probe is the candidate at a small strength (or at a threshold); the change of the errors, with starts and the fitted
+parameters free beside it, gives the reduction of a linear step and the strength at which it is reached (Rao, 1948).
+Harmonic laws are probed by sine and cosine at each count; laws of several strengths in all at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from schemas.arrays import FloatArray
+from simgap.problem import Candidate, Term, TrialSystem
+from simgap.whole_trials.fit_model import Linearisation, ModelFit, Space, clipped, solve_safely, vector_of
+
+_PROBE = 0.01  # of a strength's range
+_AT_BOUND = 1e-3  # of a range: nuisances so near their bound cannot move with a candidate
+_COUNTS = 40  # of harmonic laws, evenly by ratio over the plausible ones
+_SPEEDS = 6
+_RESTS = 5
+
+
+@dataclass(frozen=True)
+class Score:
+    """A candidate with the deviance that a linear step takes off, and values to begin fits from, best first."""
+
+    candidate: Candidate
+    reduction: float
+    begins: tuple[dict[str, float], ...]
+
+
+def scores(
+    system: TrialSystem, fit: ModelFit, linear: Linearisation, candidates: Sequence[Candidate]
+) -> tuple[Score, ...]:
+    """All candidates by their scores beside a fitted model, best first."""
+    space, vector = Space.of(fit.model), vector_of(fit.model)
+    inside = (vector > space.low + _AT_BOUND * space.span) & (vector < space.high - _AT_BOUND * space.span)
+    span = space.span[inside]
+    prior = space.prior_precision[inside] * span**2
+    pull = space.prior_precision[inside] * span * (vector - space.prior_mean)[inside]
+    base = linear.only(inside)
+    ranked = [_score(system, fit, base, prior, pull, c) for c in candidates]
+    return tuple(sorted(ranked, key=lambda s: (-s.reduction, s.candidate.key)))
+
+
+def _score(
+    system: TrialSystem, fit: ModelFit, base: Linearisation, prior: FloatArray, pull: FloatArray, candidate: Candidate
+) -> Score:
+    best = Score(candidate, 0.0, ())
+    for group in _probe_groups(candidate):
+        changes = []
+        for values in group:
+            errors = clipped(system.errors((*fit.model, Term(candidate, values)), fit.starts[None]))[0]
+            changes.append(np.where(np.isfinite(errors), errors, 0.0) - base.errors)
+        information, gradients = base.with_parameters(np.stack(changes, axis=2)).reduced()
+        count = len(group)
+        total = information.sum(axis=0) + np.diag(np.concatenate([prior, np.zeros(count)]))
+        gradient = gradients.sum(axis=0) + np.concatenate([pull, np.zeros(count)])
+        move = -solve_safely(total, gradient)
+        reduction = float(-gradient @ move)
+        without = -solve_safely(total[:-count, :-count], gradient[:-count])
+        reduction -= float(-gradient[:-count] @ without)
+        if reduction > best.reduction:
+            best = Score(candidate, reduction, (_moved(candidate, group, move[-count:]), group[0]))
+    return best
+
+
+def _moved(candidate: Candidate, group: Sequence[dict[str, float]], shares: FloatArray) -> dict[str, float]:
+    """Values at which a linear step lands: probes of one group, each taken so many times."""
+    values = dict(group[0])
+    if "phase_rad" in candidate.null:
+        strength = candidate.strengths[0]
+        size = float(np.hypot(*shares)) * group[0][strength]
+        values |= {"phase_rad": float(np.arctan2(shares[1], shares[0])), strength: size}
+    else:
+        for share, probe in zip(shares, group, strict=True):
+            for n in candidate.strengths:
+                if probe[n] != candidate.start[n] or len(group) == 1:
+                    values[n] = candidate.null[n] + share * (probe[n] - candidate.null[n])
+    return {n: float(np.clip(v, *candidate.bounds[n])) for n, v in values.items()}
+
+
+def _probe_groups(candidate: Candidate) -> list[list[dict[str, float]]]:
+    """Values that are probed; those of one group together."""
+    bounds = candidate.bounds
+    if "phase_rad" in candidate.null:
+        counts = np.geomspace(*bounds["count_per_rad"], _COUNTS)
+        return [
+            [_off_null(candidate, {"count_per_rad": float(k), "phase_rad": phase}) for phase in (0.0, 0.5 * np.pi)]
+            for k in counts
+        ]
+    if "rest_rad" in candidate.null:
+        rests = np.linspace(*bounds["rest_rad"], _RESTS)
+        return [[_off_null(candidate, {"rest_rad": float(r)})] for r in rests]
+    if candidate.extra_starts:
+        return [[_off_null(candidate, start)] for start in candidate.extra_starts]
+    if "velocity_radps" in candidate.null:
+        low, high = bounds["velocity_radps"]
+        return [
+            [_off_null(candidate, {"velocity_radps": float(v)})] for v in np.geomspace(2.0 * low, 0.7 * high, _SPEEDS)
+        ]
+    if len(candidate.strengths) > 1:
+        return [[_off_null(candidate, {}, only=n) for n in candidate.strengths]]
+    return [[_off_null(candidate, {})]]
+
+
+def _off_null(candidate: Candidate, given: dict[str, float], only: str | None = None) -> dict[str, float]:
+    """The candidate's start with some values, and strengths moved a little off none, into their bounds."""
+    values = {**candidate.start, **given}
+    for n in candidate.strengths if only is None else (only,):
+        low, high = candidate.bounds[n]
+        if n not in given and abs(values[n] - candidate.null[n]) <= 1e-12 * max(1.0, abs(candidate.null[n])):
+            step = _PROBE * (high - low)
+            values[n] = values[n] + step if values[n] + step <= high else values[n] - step
+    return {n: values[n] for n in candidate.null}
