@@ -62,7 +62,7 @@ class AssetLocation:
     def resolve(self, uri: str, *, prim: str | None = None) -> AssetLocation | None:
         """The file that a reference in this file names, or None when there is none.
 
-        Raises InvalidInput as `schemas.files.references.resolve_reference` does, and as `check_package` for a USDZ target.
+        Raises InvalidInput as `schemas.files.references.resolve_reference` and, for USDZ, `check_package` do.
         """
         where = self.where(prim=prim)
         outer, inner = Ar.SplitPackageRelativePathOuter(uri) if Ar.IsPackageRelativePath(uri) else (uri, "")
