@@ -200,17 +200,11 @@ def _volumes(
     is_shared = (first != second) | (second != third)
     a, b, c = triangles.compress(~is_shared, axis=0).T
     total = np.zeros(count)
-<<<<<<< HEAD
-    total += np.bincount(part[a], _cone(local[a], local[b], local[c]), count)
-    shared, over = triangles[~whole], over[~whole]
-    one_above: BoolArray = corners_above[~whole] == 1
-    alone = cast(IntArray, np.where(one_above, over.argmax(axis=1), (~over).argmax(axis=1)))
-=======
     total += np.bincount(part.take(a), _cone(*(local.take(corner, axis=0) for corner in (a, b, c))), count)
     shared, over = triangles.compress(is_shared, axis=0), over.compress(is_shared, axis=0)
     # The corner that is alone on its side: the one unlike both others.
-    alone = np.where(over.sum(axis=1) == 1, over.argmax(axis=1), (~over).argmax(axis=1))
->>>>>>> assets
+    one_above: BoolArray = over.sum(axis=1) == 1
+    alone = cast(IntArray, np.where(one_above, over.argmax(axis=1), (~over).argmax(axis=1)))
     row = np.arange(len(shared))
     a, b, c = (shared[row, (alone + k) % 3] for k in range(3))
     at_a, at_b, at_c = (local.take(corner, axis=0) for corner in (a, b, c))
