@@ -44,7 +44,7 @@ def _trimmed(hull: Manifold, inside: Manifold, distance: SignedDistance, depth: 
     if hull.volume() * (1.0 - LEAST_CAP) <= least:
         return hull
     wall = 2.0 * inside.volume() / max(inside.surface_area(), np.finfo(float).tiny)
-    cuts: list[tuple[float, float, FloatArray]] = []
+    cuts: list[tuple[float, float, FloatArray, float]] = []
     for normal, is_empty in outer_sides(hull, distance, FAR * depth):
         most = min(depth, EMPTY_DEPTH * wall) if is_empty else depth
         depth_reached = _depth_for(hull, normal, least, most)
