@@ -166,20 +166,24 @@ def excess_after(piece: Piece, normal: FloatArray, offset: float) -> FloatArray:
     if not above.any() or above.all():
         return np.empty(0)
     edges = piece.edges[0]
-    is_cut = above[edges[:, 0]] != above[edges[:, 1]]
+    is_cut = above.take(edges[:, 0]) != above.take(edges[:, 1])
     start, end, edge = piece.neighbours
-    kept = ~is_cut[edge]
+    stays = ~is_cut.take(edge)
     rows = np.zeros(len(points) + 1, dtype=np.int32)
-    np.cumsum(np.bincount(start[kept], minlength=len(points)), out=rows[1:])
-    graph = csr_array((np.ones(int(rows[-1])), end[kept], rows), shape=(len(points), len(points)))
+    np.cumsum(np.bincount(start.compress(stays), minlength=len(points)), out=rows[1:])
+    graph = csr_array((np.ones(int(rows[-1])), end.compress(stays), rows), shape=(len(points), len(points)))
     count, part = connected_components(graph, directed=True, connection="strong")  # The graph is symmetric.
-    a, b = edges[is_cut].T
-    crossing = local[a] + (height[a] / (height[a] - height[b]))[:, None] * (local[b] - local[a])
+    a, b = edges.compress(is_cut, axis=0).T
+    at_a, at_b = _rows(local, a), _rows(local, b)
+    height_a = _rows(height, a)
+    crossing: FloatArray = at_a + (height_a / (height_a - _rows(height, b)))[:, None] * (at_b - at_a)
     volumes = _volumes(local, height, triangles, above, part, count)
     corners = np.concatenate([local, crossing, crossing])
-    owner = np.concatenate([part, part[a], part[b]])
+    owner: IntArray = np.concatenate([part, part[a], part[b]])
     order = np.argsort(owner, kind="stable")
-    groups = np.split(corners[order], np.cumsum(np.bincount(owner, minlength=count))[:-1])
+    corners: FloatArray = corners.take(order, axis=0)
+    ends = np.cumsum(np.bincount(owner, minlength=count)).tolist()
+    groups = [corners[first:end] for first, end in zip([0, *ends], ends, strict=False)]
     if (volumes < -ON_PLANE).any():
         side = np.zeros(count, dtype=bool)
         side[part] = above
@@ -188,34 +192,41 @@ def excess_after(piece: Piece, normal: FloatArray, offset: float) -> FloatArray:
     return np.maximum(hulls - np.maximum(volumes, 0.0), 0.0)
 
 
+def _rows(values: FloatArray, which: IntArray) -> FloatArray:
+    """Rows of an array by number."""
+    return values.take(which, axis=0)
+
+
 def _volumes(
     local: FloatArray, height: FloatArray, triangles: IntArray, above: BoolArray, part: IntArray, count: int
 ) -> FloatArray:
     """Volume (k,) of the cones from the origin, on the plane, to the faces of each part, cut faces shared out."""
-    over = above[triangles]
-    corners_above = over.sum(axis=1)
-    whole = (corners_above == 0) | (corners_above == 3)
-    a, b, c = triangles[whole].T
+    over = above.take(triangles)
+    first, second, third = over.T
+    is_shared = (first != second) | (second != third)
+    a, b, c = triangles.compress(~is_shared, axis=0).T
     total = np.zeros(count)
-    total += np.bincount(part[a], _cone(local[a], local[b], local[c]), count)
-    shared, over = triangles[~whole], over[~whole]
-    one_above: BoolArray = corners_above[~whole] == 1
+    at_a, at_b, at_c = _rows(local, a), _rows(local, b), _rows(local, c)
+    total += np.bincount(part[a], _cone(at_a, at_b, at_c), count)
+    shared, over = triangles.compress(is_shared, axis=0), over.compress(is_shared, axis=0)
+    # The corner that is alone on its side: the one unlike both others.
+    one_above: BoolArray = over.sum(axis=1) == 1
     alone = cast(IntArray, np.where(one_above, over.argmax(axis=1), (~over).argmax(axis=1)))
     row = np.arange(len(shared))
     a, b, c = (shared[row, (alone + k) % 3] for k in range(3))
-    to_b = local[a] + (height[a] / (height[a] - height[b]))[:, None] * (local[b] - local[a])
-    to_c = local[a] + (height[a] / (height[a] - height[c]))[:, None] * (local[c] - local[a])
-    total += np.bincount(part[a], _cone(local[a], to_b, to_c), count)
-    total += np.bincount(part[b], _cone(to_b, local[b], local[c]) + _cone(to_b, local[c], to_c), count)
+    at_a, at_b, at_c = (local.take(corner, axis=0) for corner in (a, b, c))
+    height_a = height.take(a)
+    to_b = at_a + (height_a / (height_a - height.take(b)))[:, None] * (at_b - at_a)
+    to_c = at_a + (height_a / (height_a - height.take(c)))[:, None] * (at_c - at_a)
+    total += np.bincount(part[a], _cone(at_a, to_b, to_c), count)
+    total += np.bincount(part.take(b), _cone(to_b, at_b, at_c) + _cone(to_b, at_c, to_c), count)
     return total
 
 
 def _cone(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
     """Signed volumes (m,) of the tetrahedra between the origin and triangles, given corner by corner (m, 3)."""
-    x = a[:, 0] * (b[:, 1] * c[:, 2] - b[:, 2] * c[:, 1])
-    y = a[:, 1] * (b[:, 2] * c[:, 0] - b[:, 0] * c[:, 2])
-    z = a[:, 2] * (b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0])
-    return (x + y + z) / 6.0
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (np.ascontiguousarray(corner.T) for corner in (a, b, c))
+    return (ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6.0
 
 
 def _with_inner_surfaces(

@@ -44,34 +44,46 @@ def _trimmed(hull: Manifold, inside: Manifold, distance: SignedDistance, depth: 
     if hull.volume() * (1.0 - LEAST_CAP) <= least:
         return hull
     wall = 2.0 * inside.volume() / max(inside.surface_area(), np.finfo(float).tiny)
-    cuts: list[tuple[float, float, FloatArray]] = []
+    cuts: list[tuple[float, float, FloatArray, float]] = []
     for normal, is_empty in outer_sides(hull, distance, FAR * depth):
         most = min(depth, EMPTY_DEPTH * wall) if is_empty else depth
         depth_reached = _depth_for(hull, normal, least, most)
-        cap, upper_half = (hull.volume() - _cut(hull, normal, d).volume() for d in (depth_reached, 0.5 * depth_reached))
-        if cap >= LEAST_CAP * hull.volume() and (is_empty or upper_half <= BULGE * cap):
-            cuts.append((cap, most, normal))
-    for _, most, normal in sorted(cuts, key=lambda c: -c[0]):
-        hull = _cut(hull, normal, _depth_for(hull, normal, least, most))
+        cap = hull.volume() - _cut(hull, normal, depth_reached).volume()
+        if cap >= LEAST_CAP * hull.volume() and (is_empty or _upper_half(hull, normal, depth_reached) <= BULGE * cap):
+            cuts.append((cap, most, normal, depth_reached))
+    for number, (_, most, normal, first_depth) in enumerate(sorted(cuts, key=lambda c: -c[0])):
+        # The first cut meets the hull that its depth was found for.
+        hull = _cut(hull, normal, _depth_for(hull, normal, least, most) if number else first_depth)
     return hull
+
+
+def _upper_half(hull: Manifold, normal: FloatArray, depth: float) -> float:
+    """The volume of the upper half of a cap of this depth."""
+    return hull.volume() - _cut(hull, normal, 0.5 * depth).volume()
 
 
 def _depth_for(hull: Manifold, normal: FloatArray, least: float, depth: float) -> float:
     """The depth up to `depth` that leaves at least the volume `least`."""
-    if _cut(hull, normal, depth).volume() >= least:
+    top = _top(hull, normal)
+    if _cut(hull, normal, depth, top).volume() >= least:
         return depth
     low, high = 0.0, depth
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if _cut(hull, normal, middle).volume() >= least else (low, middle)
+        low, high = (middle, high) if _cut(hull, normal, middle, top).volume() >= least else (low, middle)
     return low
 
 
-def _cut(hull: Manifold, normal: FloatArray, depth: float) -> Manifold:
-    """The hull without the part less than `depth` below its highest point along `normal`."""
+def _top(hull: Manifold, normal: FloatArray) -> float:
+    """The height of the highest point of the hull along `normal`."""
+    return float((manifold_arrays(hull)[0] @ normal).max())
+
+
+def _cut(hull: Manifold, normal: FloatArray, depth: float, top: float | None = None) -> Manifold:
+    """The hull without the part less than `depth` below its highest point along `normal`, whose height is `top`."""
     if depth <= 0.0:
         return hull
-    top = float((manifold_arrays(hull)[0] @ normal).max())
+    top = _top(hull, normal) if top is None else top
     return hull.trim_by_plane((-normal[0], -normal[1], -normal[2]), depth - top)
 
 

@@ -47,6 +47,8 @@ ALIGNED = 0.99  # cosine from which an axis counts as a coordinate axis
 # The probe ball, as a share of the opening radius; it must get this share of the depth that it reaches in the solid.
 PROBE_SHARE, PROBE_DEPTH_SHARE = 0.6, 0.8
 PROBE_STEPS = 24
+# A ball so many radii from the box of a shape does not touch it, whatever single precision rounds.
+BOX_MARGIN = 1.001
 
 
 @dataclass(frozen=True)
@@ -173,6 +175,9 @@ def keeps_cavity(shapes: Sequence[CollisionShape], cavity: Cavity) -> bool:
 def _ball_clear(shape: CollisionShape, centres_m: FloatArray, radius_m: float) -> bool:
     """Whether balls at `centres_m` (k, 3) do not touch the shape."""
     points, triangles = surface(shape)
+    beside = np.maximum(np.maximum(points.min(axis=0) - centres_m, centres_m - points.max(axis=0)), 0.0)
+    if (np.linalg.norm(beside, axis=1) > BOX_MARGIN * radius_m).all():
+        return True
     hull = convex_hull(points)
     # Beyond a face plane by the radius is far enough; only the rest needs exact distances.
     near = centres_m[beyond_planes(*hull, centres_m) < radius_m]

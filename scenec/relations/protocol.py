@@ -6,10 +6,12 @@ what it knows. Frames as in `scenec.ir.problem`; B is the background's. Lengths 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
+import numpy as np
 from shapely.geometry.base import BaseGeometry
 
 from scenec.ir.problem import Path, Problem, Proof
@@ -102,7 +104,7 @@ class WeakerNumber:
     cost_per_unit: float = 1.0
 
 
-class RelationMeaning:
+class RelationMeaning(ABC):
     """The meaning of one kind of relation. `kind` is the name of its file, `page` what the language page says: a row
     (word, arguments, when it holds) for each word.
 
@@ -125,17 +127,19 @@ class RelationMeaning:
 
     # From the program.
 
+    @abstractmethod
     def lower(
         self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
     ) -> Iterator[SceneRelation]:
         """Relations between things from the written one; `sides` are the things that each written name stands for."""
-        raise NotImplementedError
+        ...
 
     # For the solver.
 
+    @abstractmethod
     def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
         """Violation in metres or radians, at most 0 where it holds. All things must be placed."""
-        raise NotImplementedError
+        ...
 
     def region(self, rule: SceneRelation, mover: Mover, assignment: Assignment) -> BaseGeometry | None:
         """Where (in P) the origin of a thing may lie so that the relation holds, the others placed; None: left to
@@ -152,9 +156,10 @@ class RelationMeaning:
 
     # For plans.
 
+    @abstractmethod
     def may_hold(self, rule: SceneRelation, batch: Batch) -> BoolArray:
         """Whether it may hold in each layout (...): a necessary test on rectangles, exact where they decide."""
-        raise NotImplementedError
+        ...
 
     def kept_by_rectangles(self, rule: SceneRelation) -> bool:
         """Whether disjoint rectangles in the right order imply it, so that cells need no clipping."""
@@ -182,11 +187,12 @@ class RelationMeaning:
 
     def value(self, rule: SceneRelation, motions: Motions) -> FloatArray:
         """Measured value (l,) in each layout, as `holds_throughout` takes it."""
-        return 0.0 * motions.axes_turn_rad
+        return np.zeros_like(motions.axes_turn_rad)
 
+    @abstractmethod
     def holds_throughout(self, rule: SceneRelation, motions: Motions, value: FloatArray) -> BoolArray:
         """(l,) whether it holds for every pose within the motions."""
-        raise NotImplementedError
+        ...
 
     # For proofs: what every pose that fulfils it satisfies, never more.
 

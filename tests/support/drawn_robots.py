@@ -66,7 +66,8 @@ def inertials(draw: st.DrawFn) -> Inertial:
 @st.composite
 def shapes(draw: st.DrawFn, form: Format, k: int) -> DescribedShape:
     kinds: list[DescribedShapeKind] = ["box", "sphere", "cylinder", "capsule", "mesh"]
-    kinds += ["ellipsoid", "plane"] if form == "mjcf" else []
+    if form == "mjcf":
+        kinds = [*kinds, "ellipsoid", "plane"]
     kind = draw(st.sampled_from(kinds))
     count = {"box": 3, "sphere": 1, "cylinder": 2, "capsule": 2, "mesh": 0, "ellipsoid": 3, "plane": 2}[kind]
     material = draw(st.none() | st.builds(DescribedMaterial, st.just(f"m{k}"), colors))
@@ -107,7 +108,10 @@ def meshes(draw: st.DrawFn, form: Format, k: int) -> MeshReference:
 @st.composite
 def joints(draw: st.DrawFn, form: Format, name: str, parent: str, child: str) -> DescribedJoint:
     kinds: list[JointKind] = ["fixed", "revolute", "continuous", "prismatic", "ball"]
-    kinds += ["planar", "floating"] if form == "urdf" else ["floating"] * (parent == WORLD_LINK)
+    if form == "urdf":
+        kinds = [*kinds, "planar", "floating"]
+    elif parent == WORLD_LINK:
+        kinds = [*kinds, "floating"]
     kind = draw(st.sampled_from(kinds))
     X_PC = draw(poses())
     if kind in ("fixed", "floating"):

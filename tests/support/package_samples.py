@@ -10,8 +10,8 @@ import numpy as np
 import trimesh
 from PIL import Image
 
-from schemas.evidence import declared
-from schemas.model import Material, Mesh, Model, Texture, TextureUse
+from schemas.evidence import Evidence, declared
+from schemas.model import Axis, Material, Mesh, Model, Texture, TextureUse
 from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, MassProperties
 
@@ -47,7 +47,8 @@ def colors(mesh: Mesh, seed: int = 0) -> np.ndarray:
 
 
 def model(meshes, materials=(), textures=()) -> Model:
-    units = declared(1.0, "test"), declared("z", "test")
+    up: Evidence[Axis] = Evidence(value="z", source="declared", method="test")
+    units = declared(1.0, "test"), up
     return Model(tuple(meshes), tuple(materials), tuple(textures), (), *units).with_mesh_ids()
 
 

@@ -155,7 +155,9 @@ def _change(path: str, hunk: str) -> Change:
 def _left_out(folder: str, names: list[str]) -> list[str]:
     """What a copy does not need: hidden and made folders, pictures, data of the root."""
     at_root = Path(folder) == ROOT
+    # A folder of package metadata without its PKG-INFO would hide the installed version.
     taken = [n for n in names if not n.startswith(".") and n not in ("__pycache__", "images")]
+    taken = [n for n in taken if not n.endswith(".egg-info")]
     taken = [n for n in taken if Path(folder, n).is_dir() or any(Path(n).match(kind) for kind in COPIED)]
     if at_root:
         taken = [

@@ -57,7 +57,7 @@ def test_mujoco_finds_the_links_of_a_urdf_where_it_has_them(tmp_path: Path) -> N
     data, rng = mujoco.MjData(model), np.random.default_rng(1)
     moving = [j for j in arm.joints if j.moves]
     assert [model.joint(k).name for k in range(model.njnt)] == [j.name for j in moving]
-    np.testing.assert_allclose(model.jnt_range, [present(j.limits) for j in moving])
+    np.testing.assert_allclose(model.jnt_range, np.array([present(j.limits) for j in moving]))
     q = rng.uniform(-1.5, 1.5, len(moving))
     data.qpos[:] = q
     mujoco.mj_kinematics(model, data)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -93,3 +95,15 @@ def test_facets_of_a_box_and_of_a_flat_thing() -> None:
     )
     flat = CollisionShape("hull", (), np.eye(4), np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), np.array([[0, 1, 2]]))
     assert facet_directions([flat]).shape == (0, 3)
+
+
+@pytest.mark.parametrize("count", [1, 5, 3000])
+def test_many_hulls_together_give_the_same_bits_as_one_by_one(count: int) -> None:
+    """Hulls in the asset frame are taken together; a posed one, a box and a ball go their own way."""
+    rng = np.random.default_rng(3)
+    hulls = [CollisionShape("hull", (), np.eye(4), rng.normal(size=(20 + n, 3)) + n) for n in range(6)]
+    posed = replace(hulls[0], X_AS=pose(Rotation.from_rotvec([0.1, 0.2, 0.3]).as_matrix(), (1.0, 2.0, 3.0)))
+    shapes = [*hulls, posed, *box((0.1, 0.2, 0.3)).shapes, *sphere(0.2).shapes]
+    directions = rng.normal(size=(count, 3))
+    one_by_one = np.max([support([shape], directions) for shape in shapes], axis=0)
+    assert np.array_equal(support(shapes, directions), one_by_one)

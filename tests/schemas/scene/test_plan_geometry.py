@@ -52,7 +52,7 @@ DOCUMENTS = {"PlanStance", "PlanPolygon", "PlanLayer", "PlanPlace", "PlanSpot", 
 def same(one: object, two: object) -> bool:
     """Whether two values have equal content, fields and corners of arrays and polygons included."""
     if isinstance(one, Polygon | Prism):
-        return one.equals(two) if isinstance(one, Polygon) else one == two
+        return isinstance(two, Polygon) and bool(one.equals(two)) if isinstance(one, Polygon) else one == two
     if isinstance(one, np.ndarray):
         return np.array_equal(one, np.asarray(two))
     if isinstance(one, tuple):
