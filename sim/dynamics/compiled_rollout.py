@@ -18,7 +18,7 @@ from numba.extending import overload  # pyright: ignore[reportUnknownVariableTyp
 
 from schemas.arrays import FloatArray, IntArray
 from sim.dynamics import elementwise
-from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque, StepLaw
+from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque, StepHook, StepLaw
 from sim.dynamics.joint_dynamics import CoupledJoints, PlanarChain, SeparateJoints, joint_dynamics
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ _SWEEPS = 12  # of friction impulses over the joints, as in `joint_dynamics`
 _LARGEST_RATE = 1e4  # as in `mechanism`
 _NONE, _EFFORT, _PD = 0, 1, 2
 _MAP, _TORQUE, _FRICTION = 1, 2, 3
-_SEPARATE, _PLANAR, _TREE = 0, 1, 2
+_PLANAR, _TREE = 1, 2
 _DRIVES = {"none": _NONE, "effort": _EFFORT, "position_pd": _PD}
 _KINDS = {EffortMap: _MAP, JointTorque: _TORQUE, JointFriction: _FRICTION}
 
@@ -81,7 +81,7 @@ def rollout(
     friction = (kinds == _FRICTION).any() or bool(model.friction.any())
     volts = windows.aux.get(supply)
     form = joint_dynamics(model.tree, model.gravity_W)
-    return _roll(
+    inputs = (
         np.ascontiguousarray(windows.t_s, dtype=float),
         steps.astype(np.int64),
         np.ascontiguousarray(typical_s, dtype=float),
@@ -103,8 +103,11 @@ def rollout(
         memory,
         bool(by_load),
         bool(friction),
-        *_numbers(form, joints),
     )
+    if isinstance(form, SeparateJoints):
+        remembers = any(law.hook.memory for law in laws if isinstance(law.hook, StepHook))
+        return _roll_separate(*inputs, remembers, _separate_numbers(form))
+    return _roll(*inputs, *_numbers(form, joints))
 
 
 def _has_input(windows: Windows, drive_type: str) -> bool:
@@ -116,15 +119,22 @@ def _inputs(command: FloatArray | None, effort: FloatArray | None, drive_type: s
     return none if chosen is None else np.ascontiguousarray(chosen, dtype=float)
 
 
-def _numbers(form: Any, joints: int) -> tuple[int, Any, Any, Any]:
-    """The form of the dynamics, and its numbers: separate joints (9, j), a planar chain, a tree."""
-    separate = np.zeros((9, joints))
+def _separate_numbers(form: SeparateJoints) -> FloatArray:
+    """(9, j) inertia, gravity's effort (level, along, across), and the terms of the bearing load."""
+    rows = (form.inertia, form.level, form.along, form.across, form.weight2, *form.pull, form.spin)
+    return np.array(rows, dtype=float)
+
+
+def _numbers(form: Any, joints: int) -> tuple[int, Any, Any]:
+    """The form of the dynamics, and its numbers: a planar chain, a tree."""
+    places = np.zeros(joints, dtype=complex), np.zeros(joints)  # for directions and squared rates of links
     planar = (
         np.zeros((5, joints)),
         np.zeros((2, joints, joints), dtype=complex),
         np.zeros(joints, dtype=complex),
         0j,
         0.0,
+        *places,
     )
     tree = (
         np.zeros(joints, dtype=np.int64),
@@ -137,14 +147,11 @@ def _numbers(form: Any, joints: int) -> tuple[int, Any, Any, Any]:
         np.zeros((joints, 3, 3)),
         np.zeros(3),
     )
-    if isinstance(form, SeparateJoints):
-        rows = (form.inertia, form.level, form.along, form.across, form.weight2, *form.pull, form.spin)
-        return _SEPARATE, np.array(rows, dtype=float), planar, tree
     if isinstance(form, PlanarChain):
         rows = (form.zero, form.turning, form.armature, form.outboard_mass, np.zeros(joints))
         matrices = np.ascontiguousarray(np.stack([form.coupled, form.outboard]))
-        numbers = (np.array(rows, dtype=float), matrices, form.weight, complex(form.gravity), form.gravity_y)
-        return _PLANAR, separate, numbers, tree
+        numbers = (np.array(rows, dtype=float), matrices, form.weight, complex(form.gravity), form.gravity_y, *places)
+        return _PLANAR, numbers, tree
     assert isinstance(form, CoupledJoints)
     links = form.tree
     numbers = (
@@ -158,11 +165,144 @@ def _numbers(form: Any, joints: int) -> tuple[int, Any, Any, Any]:
         np.array([link.inertia_J for link in links], dtype=float),
         np.asarray(form.gravity_W, dtype=float).copy(),
     )
-    return _TREE, separate, planar, numbers
+    return _TREE, planar, numbers
 
 
 def _jit(function: Callable[..., Any]) -> Any:
     return numba.njit(cache=True, error_model="numpy")(function)
+
+
+@_jit
+def _roll_separate(
+    t_s: Any,
+    steps: Any,
+    typical_s: Any,
+    q0: Any,
+    qd0: Any,
+    inputs: Any,
+    drive: Any,
+    kp: Any,
+    kd: Any,
+    per_unit: Any,
+    limit: Any,
+    volts: Any,
+    dry: Any,
+    damping: Any,
+    laws: Any,
+    kinds: Any,
+    places: Any,
+    values: Any,
+    fresh: Any,
+    by_load: Any,
+    has_friction: Any,
+    remembers: Any,
+    separate: Any,
+) -> Any:
+    """Joints that do nothing to one another: one joint of one world at a time, in scalars."""
+    worlds, stamps = t_s.shape
+    joints = q0.shape[1]
+    Q, QD = np.empty((worlds, stamps, joints)), np.empty((worlds, stamps, joints))
+    memory, trial = fresh.copy(), fresh.copy()
+    for j in range(joints):
+        # Laws of this joint in their order, by kind; the rest of each list is unused.
+        order = np.empty(len(kinds), dtype=np.int64)
+        ends = np.zeros(4, dtype=np.int64)
+        count = 0
+        for kind in (_MAP, _TORQUE, _FRICTION):
+            for i in range(len(kinds)):
+                if kinds[i] == kind and places[i] == j:
+                    order[count] = i
+                    count += 1
+            ends[kind] = count
+        numbers = separate[:, j].copy()
+        for w in range(worlds):
+            q, qd = q0[w, j], qd0[w, j]
+            memory[:] = fresh
+            Q[w, 0, j], QD[w, 0, j] = q, qd
+            for k in range(stamps - 1):
+                h = (t_s[w, k + 1] - t_s[w, k]) / steps[k]
+                dt_s = typical_s[k] / steps[k]
+                half = 0.5 * h
+                given = inputs[w, k, j] if drive != _NONE else 0.0
+                volt = volts[w, k]
+                for s in range(steps[k]):
+                    q += half * qd
+                    now = t_s[w, k] + (s + 0.5) * h
+                    if drive == _PD:
+                        value = (kp[j] * (given - q) - kd[j] * qd) * per_unit
+                        commanded = np.minimum(np.maximum(value, -limit), limit)
+                        if remembers:
+                            trial[:] = memory
+                        ahead = _kick_separate(
+                            q, qd, commanded, now, h, dt_s, volt, dry[j], damping[j], laws, order, ends, values,
+                            trial, by_load, has_friction, numbers,
+                        )  # fmt: skip
+                        value = (kp[j] * (given - q) - kd[j] * (0.5 * (qd + ahead))) * per_unit
+                    elif drive == _EFFORT:
+                        value = given * per_unit
+                    else:
+                        value = 0.0
+                    commanded = np.minimum(np.maximum(value, -limit), limit)
+                    qd = _kick_separate(
+                        q, qd, commanded, now, h, dt_s, volt, dry[j], damping[j], laws, order, ends, values, memory,
+                        by_load, has_friction, numbers,
+                    )  # fmt: skip
+                    q += half * qd
+                Q[w, k + 1, j], QD[w, k + 1, j] = q, qd
+    return Q, QD
+
+
+@_jit
+def _kick_separate(
+    q: Any,
+    qd: Any,
+    effort: Any,
+    t_s: Any,
+    h: Any,
+    dt_s: Any,
+    volts: Any,
+    dry: Any,
+    damping: Any,
+    laws: Any,
+    order: Any,
+    ends: Any,
+    values: Any,
+    memory: Any,
+    by_load: Any,
+    has_friction: Any,
+    numbers: Any,
+) -> Any:
+    """The rate of a joint after one step: the step of `mechanism._Forces.kick` for one joint."""
+    nan = np.nan
+    for n in range(ends[_MAP]):
+        i = order[n]
+        effort = laws[i](JointState(t_s, q, qd, effort, dt_s, nan, nan, nan, volts), values[i], memory[i])
+    net = effort - numbers[1]
+    turns = numbers[2] != 0.0 or numbers[3] != 0.0 or by_load
+    cosine, sine = (np.cos(q), np.sin(q)) if turns else (0.0, 0.0)
+    if turns:
+        net = effort - (numbers[1] + numbers[2] * cosine + numbers[3] * sine)
+    for n in range(ends[_MAP], ends[_TORQUE]):
+        i = order[n]
+        net += laws[i](JointState(t_s, q, qd, effort, dt_s, nan, nan, nan, volts), values[i], memory[i])
+    heavy = numbers[0] + h * damping
+    out = (numbers[0] * qd + h * net) / heavy
+    if has_friction:
+        load = nan
+        if by_load:
+            rate2 = qd * qd
+            inward = numbers[5] + numbers[6] * cosine + numbers[7] * sine
+            load = np.sqrt(np.maximum(numbers[4] - 2.0 * rate2 * inward + (numbers[8] * rate2) ** 2, 0.0))
+        largest = dry
+        for n in range(ends[_TORQUE], ends[_FRICTION]):
+            i = order[n]
+            direction = -1.0 if out < -1e-9 else 1.0
+            largest += laws[i](
+                JointState(t_s, q, qd, effort, dt_s, load, largest, direction, volts), values[i], memory[i]
+            )
+        change = h * np.maximum(largest, 0.0) / heavy
+        out -= np.minimum(np.maximum(out, -change), change)
+    return np.fmin(np.fmax(out, -_LARGEST_RATE), _LARGEST_RATE)
 
 
 @_jit
@@ -189,7 +329,6 @@ def _roll(
     by_load: Any,
     has_friction: Any,
     form: Any,
-    separate: Any,
     planar: Any,
     tree: Any,
 ) -> Any:
@@ -227,7 +366,7 @@ def _roll(
                     trial[:] = memory
                     _kick(
                         q, qd, last, commanded, now, h, dt_s, volts[w, k], dry, damping, laws, kinds, places, values,
-                        trial, by_load, has_friction, form, separate, planar, tree, vectors, matrices, spatial,
+                        trial, by_load, has_friction, form, planar, tree, vectors, matrices, spatial,
                         rotations, ahead,
                     )  # fmt: skip
                     for j in range(joints):
@@ -235,7 +374,7 @@ def _roll(
                     _command(drive, inputs, w, k, q, middle, kp, kd, per_unit, limit, commanded)
                 _kick(
                     q, qd, last, commanded, now, h, dt_s, volts[w, k], dry, damping, laws, kinds, places, values,
-                    memory, by_load, has_friction, form, separate, planar, tree, vectors, matrices, spatial,
+                    memory, by_load, has_friction, form, planar, tree, vectors, matrices, spatial,
                     rotations, after,
                 )  # fmt: skip
                 for j in range(joints):
@@ -280,7 +419,6 @@ def _kick(
     by_load: Any,
     has_friction: Any,
     form: Any,
-    separate: Any,
     planar: Any,
     tree: Any,
     vectors: Any,
@@ -302,7 +440,7 @@ def _kick(
             j = places[i]
             state = JointState(t_s, q[j], qd[j], effort[j], dt_s, nan, nan, nan, volts)
             effort[j] = laws[i](state, values[i], memory[i])
-    _bias(form, separate, planar, tree, q, middle, matrices, spatial, rotations, net)
+    _bias(form, planar, tree, q, middle, matrices, spatial, rotations, net)
     for j in range(joints):
         net[j] = effort[j] - net[j]
     for i in range(len(kinds)):
@@ -310,25 +448,20 @@ def _kick(
             j = places[i]
             state = JointState(t_s, q[j], qd[j], effort[j], dt_s, nan, nan, nan, volts)
             net[j] += laws[i](state, values[i], memory[i])
-    if form == _SEPARATE:
+    _mass(form, planar, tree, q, matrices, spatial, rotations, vectors)
+    for i in range(joints):
+        momentum = h * net[i]
         for j in range(joints):
-            inertia = separate[0, j]
-            out[j] = (inertia * qd[j] + h * net[j]) / (inertia + h * damping[j])
-    else:
-        _mass(form, planar, tree, q, matrices, spatial, rotations, vectors)
-        for i in range(joints):
-            momentum = h * net[i]
-            for j in range(joints):
-                momentum += M[i, j] * qd[j]
-            out[i] = momentum
-        A[:] = M
-        for j in range(joints):
-            A[j, j] += h * damping[j]
-        matrices[3][:] = A
-        _solve(matrices[3], out)
+            momentum += M[i, j] * qd[j]
+        out[i] = momentum
+    A[:] = M
+    for j in range(joints):
+        A[j, j] += h * damping[j]
+    matrices[3][:] = A
+    _solve(matrices[3], out)
     if has_friction:
         if by_load:
-            _load(form, separate, planar, tree, q, qd, matrices, spatial, rotations, load)
+            _load(form, planar, tree, q, qd, matrices, spatial, rotations, load)
         for j in range(joints):
             largest[j] = dry[j]
         for i in range(len(kinds)):
@@ -341,19 +474,14 @@ def _kick(
                 largest[j] += laws[i](state, values[i], memory[i])
         for j in range(joints):
             largest[j] = h * np.maximum(largest[j], 0.0)
-        if form == _SEPARATE:
-            for j in range(joints):
-                change = largest[j] / (separate[0, j] + h * damping[j])
-                out[j] -= np.minimum(np.maximum(out[j], -change), change)
-        else:
-            for j in range(joints):
-                matrices[3][:] = A
-                for i in range(joints):
-                    middle[i] = 1.0 if i == j else 0.0
-                _solve(matrices[3], middle)
-                for i in range(joints):
-                    inverse[i, j] = middle[i]
-            _impulses(inverse, largest, out, effort)
+        for j in range(joints):
+            matrices[3][:] = A
+            for i in range(joints):
+                middle[i] = 1.0 if i == j else 0.0
+            _solve(matrices[3], middle)
+            for i in range(joints):
+                inverse[i, j] = middle[i]
+        _impulses(inverse, largest, out, effort)
     for j in range(joints):
         out[j] = np.fmin(np.fmax(out[j], -_LARGEST_RATE), _LARGEST_RATE)
 
@@ -395,17 +523,11 @@ def _solve(A: Any, b: Any) -> None:
 
 
 @_jit
-def _bias(
-    form: Any, separate: Any, planar: Any, tree: Any, q: Any, qd: Any, matrices: Any, spatial: Any, R: Any, out: Any
-) -> None:
+def _bias(form: Any, planar: Any, tree: Any, q: Any, qd: Any, matrices: Any, spatial: Any, R: Any, out: Any) -> None:
     joints = len(q)
-    if form == _SEPARATE:
-        for j in range(joints):
-            out[j] = separate[1, j] + separate[2, j] * np.cos(q[j]) + separate[3, j] * np.sin(q[j])
-    elif form == _PLANAR:
-        rows, pairs, weight, gravity, _ = planar
+    if form == _PLANAR:
+        rows, pairs, weight, gravity, _, at, rate2 = planar
         angle = rate = 0.0
-        at, rate2 = np.empty(joints, dtype=np.complex128), np.empty(joints)
         for j in range(joints):
             angle += q[j] + rows[0, j]
             rate += qd[j]
@@ -424,19 +546,10 @@ def _bias(
 
 
 @_jit
-def _load(
-    form: Any, separate: Any, planar: Any, tree: Any, q: Any, qd: Any, matrices: Any, spatial: Any, R: Any, out: Any
-) -> None:
+def _load(form: Any, planar: Any, tree: Any, q: Any, qd: Any, matrices: Any, spatial: Any, R: Any, out: Any) -> None:
     joints = len(q)
-    if form == _SEPARATE:
-        for j in range(joints):
-            rate2 = qd[j] * qd[j]
-            inward = separate[5, j] + separate[6, j] * np.cos(q[j]) + separate[7, j] * np.sin(q[j])
-            load2 = separate[4, j] - 2.0 * rate2 * inward + (separate[8, j] * rate2) ** 2
-            out[j] = np.sqrt(np.maximum(load2, 0.0))
-    elif form == _PLANAR:
-        rows, pairs, _, gravity, gravity_y = planar
-        at = np.empty(joints, dtype=np.complex128)
+    if form == _PLANAR:
+        rows, pairs, _, gravity, gravity_y, at, _ = planar
         angle = rate = 0.0
         for j in range(joints):
             angle += q[j] + rows[0, j]
@@ -458,8 +571,7 @@ def _mass(form: Any, planar: Any, tree: Any, q: Any, matrices: Any, spatial: Any
     joints = len(q)
     M = matrices[0]
     if form == _PLANAR:
-        rows, pairs, _, _, _ = planar
-        at = np.empty(joints, dtype=np.complex128)
+        rows, pairs, _, _, _, at, _ = planar
         angle = 0.0
         for j in range(joints):
             angle += q[j] + rows[0, j]
