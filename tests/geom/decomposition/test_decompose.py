@@ -11,7 +11,7 @@ from geom.decomposition.decompose import convex_parts
 from geom.decomposition.merge_hulls import merge_hulls
 from geom.decomposition.plane_cuts import CutGoal, Piece, cut_apart, excess_after
 from geom.decomposition.simplified_body import simplified, simplify_body
-from geom.decomposition.trim_hulls import trim_hulls
+from geom.decomposition.trim_hulls import UNCERTAIN, VolumeBelow, trim_hulls
 from geom.features.cavities import find_cavities
 from geom.mesh.manifold_arrays import manifold_arrays
 from geom.mesh.surface_distance import SignedDistance
@@ -115,6 +115,20 @@ def test_trimming_makes_a_bent_plate_as_thin_as_it_is():
     assert quarter.volume() <= trimmed.volume() <= 1.05 * quarter.volume()
     # The slab between the edges stays: less than half a wall is taken from the inside.
     assert trimmed.bounding_box()[0] == pytest.approx(quarter.bounding_box()[0], abs=0.015)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_volume_below_a_plane_is_that_of_the_cut_body(seed: int):
+    """Bodies with corners and faces at the height of the plane too; far closer than what counts as certain."""
+    rng = np.random.default_rng(seed)
+    bodies = (Manifold.hull_points(rng.normal(size=(30, 3))), Manifold.cube((1.0, 2.0, 3.0)))
+    for body, normal in zip(bodies, (np.array([0.6, 0.0, 0.8]), np.array([0.0, 0.0, 1.0])), strict=True):
+        below = VolumeBelow(body, normal)
+        heights = manifold_arrays(body)[0] @ normal
+        for height in (*np.linspace(heights.min() - 0.1, heights.max() + 0.1, 23), *heights):
+            cut = body.trim_by_plane((-normal[0], -normal[1], -normal[2]), -height)
+            assert below(float(height)) == pytest.approx(cut.volume(), abs=1e-3 * UNCERTAIN * body.volume())
+        assert below.top == heights.max()
 
 
 def test_trimming_leaves_flat_faces_and_joints_alone():
