@@ -11,6 +11,9 @@ One more round counts openings: calls of `Usd.Stage.Open` on a file or on a laye
 `Sdf.Layer.OpenAsAnonymous`, by whatever code.
 """
 
+# pxr has no type stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import argparse
@@ -125,13 +128,15 @@ def measure(checkouts: list[Path], files: list[Path], rounds: int, place: Path) 
     spent = {file: [[worker.ingest(file)[0] for worker in workers] for _ in range(rounds)] for file in files}
     for worker in workers:
         worker.close()
-    medians = {file: [statistics.median(s) for s in zip(*trials, strict=True)] for file, trials in spent.items()}
-    loading = [s - median for s, median in zip(loading_s, medians[files[0]], strict=True)]
+    before_s, after_s = ({f: statistics.median(trial[i] for trial in spent[f]) for f in files} for i in (0, 1))
+    once_s = loading_s[0] - before_s[files[0]], loading_s[1] - after_s[files[0]]
     counters = [Worker(c, place / f"counted{i}", place / f"openings{i}") for i, c in enumerate(checkouts)]
     for counter in counters:
         counter.ingest(files[0])
-    rows = [Row("once for a batch", *loading, Counter(), Counter())]
-    rows += [Row(f.name, *medians[f], *(c.ingest(f)[1] for c in counters)) for f in files]
+    rows = [Row("once for a batch", *once_s, Counter(), Counter())]
+    for file in files:
+        before, after = (counter.ingest(file)[1] for counter in counters)
+        rows.append(Row(file.name, before_s[file], after_s[file], before, after))
     for counter in counters:
         counter.close()
     return rows
