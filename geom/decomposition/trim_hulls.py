@@ -33,12 +33,14 @@ UNCERTAIN = 1e-6
 KEPT = 1.02  # Each hull keeps the body's volume within it and this little more.
 
 
-def trim_hulls(hulls: Sequence[Manifold], body: Manifold, distance: SignedDistance, depth: float) -> list[Manifold]:
+def trim_hulls(
+    hulls: Sequence[Manifold], insides: Sequence[Manifold], distance: SignedDistance, depth: float
+) -> list[Manifold]:
     """The hulls with empty sides and outer bulges cut off, each at most `depth` deep.
 
-    No hull gets smaller than the part of `body` inside it; `distance` is that to the surface of `body`.
+    No hull gets smaller than the part of the body inside it (`insides`); `distance` is that to the body's surface.
     """
-    return [_trimmed(hull, hull ^ body, distance, depth) for hull in hulls]
+    return [_trimmed(hull, inside, distance, depth) for hull, inside in zip(hulls, insides, strict=True)]
 
 
 def _trimmed(hull: Manifold, inside: Manifold, distance: SignedDistance, depth: float) -> Manifold:

@@ -110,7 +110,7 @@ def test_a_fault_makes_a_pair_dearer():
 def test_trimming_makes_a_bent_plate_as_thin_as_it_is():
     ring = Manifold.cylinder(1.0, 1.0, 1.0, 96) - Manifold.cylinder(1.0, 0.97, 0.97, 96)
     quarter = ring.trim_by_plane((1, 0, 0), 0.7)
-    (trimmed,) = trim_hulls([quarter.hull()], quarter, SignedDistance(*manifold_arrays(quarter)), depth=0.4)
+    (trimmed,) = trim_hulls([quarter.hull()], [quarter], SignedDistance(*manifold_arrays(quarter)), depth=0.4)
     assert quarter.hull().volume() > 5.0 * quarter.volume()
     assert quarter.volume() <= trimmed.volume() <= 1.05 * quarter.volume()
     # The slab between the edges stays: less than half a wall is taken from the inside.
@@ -134,19 +134,18 @@ def test_volume_below_a_plane_is_that_of_the_cut_body(seed: int):
 def test_trimming_leaves_flat_faces_and_joints_alone():
     wedge = Manifold.hull_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1], [0, 1, 1]])
     hollow = wedge - Manifold.cube((0.2, 0.8, 0.2)).translate((0.1, 0.1, 0.1))
-    (kept,) = trim_hulls([wedge], hollow, SignedDistance(*manifold_arrays(hollow)), depth=0.1)
+    (kept,) = trim_hulls([wedge], [wedge ^ hollow], SignedDistance(*manifold_arrays(hollow)), depth=0.1)
     assert kept.volume() == pytest.approx(wedge.volume())
     plate = Manifold.cylinder(0.2, 1.0, 1.0, 64)
     half, rest = plate.split_by_plane((1, 0, 0), 0.0)
-    (joined,) = trim_hulls(
-        [half], plate - rest.scale((0.1, 0.1, 0.1)), SignedDistance(*manifold_arrays(plate)), depth=0.1
-    )
+    inside = half ^ (plate - rest.scale((0.1, 0.1, 0.1)))
+    (joined,) = trim_hulls([half], [inside], SignedDistance(*manifold_arrays(plate)), depth=0.1)
     assert joined.bounding_box()[0] == pytest.approx(half.bounding_box()[0])
 
 
 def test_trimming_takes_emptiness_but_less_than_half_a_wall():
     tent = Manifold.cube((2.0, 1.0, 0.1)).rotate((0, 30, 0)) + Manifold.cube((2.0, 1.0, 0.1)).rotate((0, 150, 0))
-    (trimmed,) = trim_hulls([tent.hull()], tent, SignedDistance(*manifold_arrays(tent)), depth=0.5)
+    (trimmed,) = trim_hulls([tent.hull()], [tent], SignedDistance(*manifold_arrays(tent)), depth=0.5)
     assert trimmed.volume() < tent.hull().volume()
     assert trimmed.bounding_box()[5] == pytest.approx(tent.bounding_box()[5], abs=0.05)
 
