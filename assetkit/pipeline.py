@@ -30,9 +30,9 @@ from assetkit.steps import Pipeline, Refinement, Retry, Step
 from assetkit.storage import finding_from_exception, storage_failed
 from jobs.cache import Cache, content_key, write_atomically
 from jobs.versions import library_versions
-from schemas import array_files
 from schemas.asset import RepeatedPass
 from schemas.diagnostics import Diagnostic, finding
+from schemas.files import array_files
 from schemas.outcome import EndpointUse, ItemOutcome, Outcome, Repair
 from schemas.report import ReportItem
 from sim.port import Simulator

@@ -10,7 +10,7 @@ from jobs.cell import Limits
 from jobs.warm import run_module
 from render.camera import CameraView
 from render.request import RenderRequest
-from schemas import array_files
+from schemas.files import array_files
 from usdio.read.asset import read_stage
 
 _LIMITS = Limits(seconds=120.0, memory_mb=6144)

@@ -1,8 +1,5 @@
 """Verdicts of external validators on a released package: NVIDIA's SimReady Foundation and OpenUSD's own validators."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import contextlib

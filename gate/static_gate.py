@@ -2,9 +2,6 @@
 
 The rules cover what external validators do not; read `gate` and `RULES` first."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pathlib import Path

@@ -33,9 +33,9 @@ def matrix_of(quat_wxyz: FloatArray) -> FloatArray:
 
 def quat_of(R_AB: FloatArray) -> FloatArray:
     """Unit quaternions wxyz (..., 4) of rotation matrices (..., 3, 3), the one of the two signs with w >= 0."""
-    R_AB = np.asarray(R_AB, dtype=np.float64)
-    quats = Rotation.from_matrix(R_AB.reshape(-1, 3, 3)).as_quat(canonical=True)
-    return to_wxyz(quats).reshape(*R_AB.shape[:-2], 4)
+    matrices = np.asarray(R_AB, dtype=np.float64)
+    quats = Rotation.from_matrix(matrices.reshape(-1, 3, 3)).as_quat(canonical=True)
+    return to_wxyz(quats).reshape(*matrices.shape[:-2], 4)
 
 
 def pose(R_AB: FloatArray | None = None, p_AB: FloatArray | tuple[float, float, float] = (0.0, 0.0, 0.0)) -> FloatArray:
@@ -47,6 +47,21 @@ def pose(R_AB: FloatArray | None = None, p_AB: FloatArray | tuple[float, float, 
     return X_AB
 
 
+def rotation_of_rpy(rpy_rad: FloatArray | tuple[float, ...]) -> FloatArray:
+    """The rotation matrix (3, 3) of roll, pitch, yaw (3,) as URDF has them: turns about the fixed axes x, y, z."""
+    return np.asarray(Rotation.from_euler("xyz", rpy_rad).as_matrix(), dtype=np.float64)
+
+
+def rpy_of_rotation(R_AB: FloatArray) -> FloatArray:
+    """Roll, pitch, yaw (3,) in radians about the fixed axes x, y, z; yaw is 0 where only their sum is determined."""
+    return np.asarray(Rotation.from_matrix(R_AB).as_euler("xyz"), dtype=np.float64)
+
+
+def rotation_about(axis: FloatArray | tuple[float, ...], angle_rad: float) -> FloatArray:
+    """The rotation matrix (3, 3) of a turn about a unit vector (3,)."""
+    return np.asarray(Rotation.from_rotvec(np.asarray(axis) * angle_rad).as_matrix(), dtype=np.float64)
+
+
 def pose_from_quat(quat_wxyz: FloatArray, p_AB: FloatArray | tuple[float, float, float]) -> FloatArray:
     """X_AB (4, 4) from the orientation of B in A and the position (3,) of B's origin in A."""
     return pose(matrix_of(np.asarray(quat_wxyz)), p_AB)
@@ -54,11 +69,11 @@ def pose_from_quat(quat_wxyz: FloatArray, p_AB: FloatArray | tuple[float, float,
 
 def inverse(X_AB: FloatArray) -> FloatArray:
     """X_BA (..., 4, 4); exact for rigid poses: `[R^T, -R^T p]`."""
-    X_AB = np.asarray(X_AB, dtype=np.float64)
-    R_BA = np.swapaxes(X_AB[..., :3, :3], -1, -2)
-    X_BA = np.broadcast_to(np.eye(4), X_AB.shape).copy()
+    poses = np.asarray(X_AB, dtype=np.float64)
+    R_BA = np.swapaxes(poses[..., :3, :3], -1, -2)
+    X_BA = np.broadcast_to(np.eye(4), poses.shape).copy()
     X_BA[..., :3, :3] = R_BA
-    X_BA[..., :3, 3] = -np.einsum("...ij,...j->...i", R_BA, X_AB[..., :3, 3])
+    X_BA[..., :3, 3] = -np.einsum("...ij,...j->...i", R_BA, poses[..., :3, 3])
     return X_BA
 
 

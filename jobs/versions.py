@@ -8,7 +8,7 @@ from pathlib import Path
 
 from jobs.cache import content_key, file_sha256
 
-_PACKAGES = ("assetkit", "geom", "gate", "scene_check", "jobs", "render", "schemas", "sim", "usdio")
+_PACKAGES = ("assetkit", "formats", "geom", "gate", "scene_check", "jobs", "render", "schemas", "sim", "usdio")
 
 _LIBRARIES = (
     "coacd",

@@ -33,7 +33,7 @@ def use_one_thread() -> None:
 def draw_saved(argv: list[str], kind: type[T], draw: Callable[[T], object]) -> int:
     """Draw the request of this kind at `argv[0]`; returns the exit code."""
     from render.window import NoOpenGL
-    from schemas import array_files
+    from schemas.files import array_files
 
     if len(argv) != 1:
         sys.stderr.write("usage: python -m render REQUEST.npz\n")

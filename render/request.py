@@ -15,7 +15,7 @@ from schemas.physics import CollisionShape
 
 @dataclass(frozen=True)
 class RenderRequest:
-    """One asset to draw: save with `schemas.array_files.save`, then run `python -m render REQUEST.npz`.
+    """One asset to draw: save with `schemas.files.array_files.save`, then run `python -m render REQUEST.npz`.
 
     model    canonical: metres, z-up, +x is the front, origin at the bottom centre.
     shapes   collision shapes in the frame of the model; none: no `collision.png`.

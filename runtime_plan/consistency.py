@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from schemas.diagnostics import Diagnostic, finding
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 from schemas.scene.runtime_plan import PlanCase, PlanCombination, PlanPool, PlanThing, RuntimePlan
 
 

@@ -15,7 +15,8 @@ _TURNS_PER_RAD = 1.0 / (2.0 * math.pi)
 
 def _taylor_coefficients(count: int) -> tuple[float, ...]:
     """Taylor coefficients of sin(r pi/2) in r^2, by products alone: a library's power may round differently."""
-    quarter, term, terms = math.pi / 2.0, math.pi / 2.0, []
+    quarter, term = math.pi / 2.0, math.pi / 2.0
+    terms: list[float] = []
     for k in range(count):
         terms.append(term)
         term = -term * quarter * quarter / ((2 * k + 2) * (2 * k + 3))

@@ -11,7 +11,8 @@ from runtime_plan.bodies import PhysicalBody, physical_body
 from runtime_plan.materials import with_material
 from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
-from schemas.scene.program import BACKGROUND, PairedMaterial
+from schemas.scene.geometry import BACKGROUND
+from schemas.scene.program import PairedMaterial
 from sim.port import ResetWorld
 
 Slot = tuple[str, int]  # a thing (or the background) and one of its bodies
@@ -43,9 +44,9 @@ class Realiser:
             used[slot] = X_WA, int(samples.material[k, column]), True
         for slot in sorted(self._placed - set(used)):
             self._world.set_pose(self._number[slot], None)
-        for slot, (X_WA, material, moves) in used.items():
+        for slot, (slot_X_WA, material, moves) in used.items():
             self._build(slot, material, moves)
-            self._world.set_pose(self._number[slot], X_WA)
+            self._world.set_pose(self._number[slot], slot_X_WA)
         self._placed = set(used)
         return {name: self._number[name, body] for name, body in used if name != BACKGROUND}
 

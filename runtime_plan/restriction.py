@@ -23,8 +23,8 @@ class Restriction:
     """
 
     split: Literal["train", "eval"] | None = None
-    choices: Mapping[str, Sequence[str]] = field(default_factory=dict)
-    assets: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    choices: Mapping[str, Sequence[str]] = field(default_factory=dict[str, Sequence[str]])
+    assets: Mapping[str, Sequence[str]] = field(default_factory=dict[str, Sequence[str]])
     materials: Sequence[str] | None = None
     lighting: Sequence[str | Lighting] | None = None
 

@@ -6,7 +6,7 @@ each pool, body of each thing, yaw, x and y of each thing, a material of each gr
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -68,8 +68,8 @@ def _fill(backend: Backend, samples: Samples, chunk: slice, tables: PlanTables, 
     chosen = backend.xp.searchsorted(tables.cumulative_shares, u[:, 0], side="right")
     samples.combination[chunk] = chosen
     for index in range(len(tables.combinations)):
-        rows = (chosen == index).nonzero()
-        rows = rows[0] if isinstance(rows, tuple) else rows[:, 0]
+        nonzero: Array = (chosen == index).nonzero()
+        rows: Array = cast(tuple[Array], nonzero)[0] if isinstance(nonzero, tuple) else nonzero[:, 0]
         if len(rows):
             _draw(backend, samples, rows + chunk.start, tables, index, u[rows])
 
@@ -79,7 +79,8 @@ def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index
     tables, layout, body_stances = plan.combinations[index], plan.layout, plan.body_stances
     things = len(tables.things)
     columns = slice(None) if tables.all_things else tables.things
-    at = rows if isinstance(rows, slice) or tables.all_things else rows[:, None]  # rows x columns of the result
+    # Rows x columns of the result.
+    at: Array = cast(Array, rows) if isinstance(rows, slice) or tables.all_things else rows[:, None]
     cases = _cases(backend, tables.pools, u[:, layout.cases :])
     table_rows = (cases if tables.one_thing_per_pool else cases[:, tables.pool_of]) + tables.first_row
     bodies, stance, body_stance = _bodies_and_stances(backend, tables, layout, body_stances, table_rows, u)
@@ -156,7 +157,7 @@ def _origin(
     cosine = 1.0 - 2.0 * s * s
     sine = 2.0 * s * c
     footprint = _footprint_bounds(backend, tables.outlines, body_stance, cosine, sine)
-    origin = []
+    origin: list[Array] = []
     for axis, u in enumerate((ux, uy)):
         bounds, (least, most) = tables.bounds_m[2 * axis :], footprint[axis]
         low = _pick(backend, bounds[0], rows) - least

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -12,7 +13,7 @@ from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
 from runtime_plan.tables import ABSENT, AUTHORED, BACKGROUND_COLUMN
 from schemas.diagnostics import InvalidInput, Location, finding
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 from schemas.scene.runtime_plan import PlanCombination
 from schemas.scene.samples import SampledLighting, SampledObject, SceneSample, SceneSamples
 
@@ -33,7 +34,7 @@ def _documents(plan: Plan, samples: Samples) -> Iterator[SceneSample]:
 
     for k in range(len(samples)):
         combination = int(samples.combination[k])
-        rows = zip(
+        rows: Iterable[tuple[int, Any, Any, int, int]] = zip(
             samples.asset_index[k].tolist(), samples.position_m[k].tolist(), samples.quat_wxyz[k].tolist(),
             samples.support[k].tolist(), samples.material[k].tolist(), strict=True,
         )  # fmt: skip

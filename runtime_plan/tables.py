@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.arrays import FloatArray, IntArray
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 from schemas.scene.runtime_plan import PlanCase, PlanCombination, PlanStance, RuntimePlan
 
 MICRO = 1e-6
@@ -176,7 +176,7 @@ def _body_stances(plan: RuntimePlan) -> BodyStances:
 
 def _outline(stance: PlanStance) -> FloatArray:
     """Convex hull (v, 2) of all pieces, counter-clockwise (Andrew's monotone chain)."""
-    points = sorted({point for prism in stance.prisms for point in prism.outline_m})
+    points = sorted({(x, y) for prism in stance.prisms for x, y in prism.outline_m.tolist()})
     chains: list[list[tuple[float, float]]] = []
     for run in (points, points[::-1]):
         chain: list[tuple[float, float]] = []
@@ -298,7 +298,7 @@ def _outlines(choices: Sequence[Sequence[int]], body_stances: BodyStances) -> tu
     for index, possible in enumerate(choices):
         corners = max(len(body_stances.corners[body_stance]) for body_stance in possible)
         sizes.setdefault((len(possible) == 1, max(2, (corners - 1).bit_length())), []).append(index)
-    outlines = []
+    outlines: list[Outlines] = []
     for (fixed, _), columns in sorted(sizes.items(), reverse=True):
         used = [choices[c][0] for c in columns] if fixed else range(len(body_stances.corners))
         used_by_columns = {body_stance for c in columns for body_stance in choices[c]}
@@ -319,7 +319,7 @@ def _levels(parents: Sequence[str], local: dict[str, int]) -> tuple[Level, ...]:
     depth: list[int] = []
     for parent in parents:  # owners come before what they own
         depth.append(depth[local[parent]] + 1 if parent in local else 0)
-    levels = []
+    levels: list[Level] = []
     for level in sorted(set(depth)):
         columns = [index for index, deep in enumerate(depth) if deep == level]
         owners = np.array([local[parents[c]] for c in columns], dtype=np.int64) if level else None
@@ -334,14 +334,14 @@ def _groups(plan: RuntimePlan, combination: PlanCombination, local: dict[str, in
     groups: list[tuple[list[int], set[str]]] = []
     for index, things in offered:
         joined, covered = [index], set(things)
-        rest = []
+        rest: list[tuple[list[int], set[str]]] = []
         for members, known in groups:
             if known & covered:
                 joined, covered = members + joined, covered | known
             else:
                 rest.append((members, known))
         groups = [*rest, (joined, covered)]
-    material_groups = []
+    material_groups: list[MaterialGroup] = []
     columns = local | {BACKGROUND: len(local)}
     for members in sorted(sorted(members) for members, _ in groups):
         material_of = np.full((len(members) + 1, len(columns)), AUTHORED, dtype=np.int64)

@@ -4,14 +4,11 @@ PyTorch is optional (`pip install torch`). Random words, and so all discrete cho
 agree to 1e-6 or better, since a device may round a product and a sum once instead of twice.
 """
 
-# Torch is optional: where it is missing its types are unknown.
-# pyright: reportMissingImports=false
-
 from __future__ import annotations
 
 from dataclasses import fields, is_dataclass, replace
 from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -41,7 +38,8 @@ class Torch:
 
     def full(self, shape: tuple[int, ...], value: float | int | bool) -> Any:
         """A tensor filled with one value."""
-        kind = {bool: torch.bool, int: torch.int64}.get(type(value), torch.float64)
+        kinds: dict[type, Any] = {bool: torch.bool, int: torch.int64}
+        kind = kinds.get(type(value), torch.float64)
         return torch.full(shape, value, dtype=kind, device=self.device)
 
     def floor_to_int(self, values: Any) -> Any:
@@ -64,9 +62,9 @@ class TorchSampler:
 def _on_device(value: Any, device: str) -> Any:
     """A copy of the tables with every array as a tensor on the device."""
     if isinstance(value, np.ndarray):
-        return torch.as_tensor(np.ascontiguousarray(value), device=device)
+        return torch.as_tensor(np.ascontiguousarray(cast(Any, value)), device=device)
     if isinstance(value, tuple):
-        return tuple(_on_device(item, device) for item in value)
+        return tuple(_on_device(item, device) for item in cast(tuple[Any, ...], value))
     if is_dataclass(value) and not isinstance(value, type):
         return replace(value, **{f.name: _on_device(getattr(value, f.name), device) for f in fields(value)})
     return value

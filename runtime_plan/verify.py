@@ -25,7 +25,12 @@ class Judge:
     def __init__(self, plan: Plan) -> None:
         self._plan = plan.document
         self._names = plan.tables.names
-        self._rules = cache(lambda index: scene_rules(plan.document, plan.document.combinations[index]))
+
+        @cache
+        def rules(index: int) -> SceneRules:
+            return scene_rules(plan.document, plan.document.combinations[index])
+
+        self._rules = rules
 
     def violations(self, samples: Samples, indices: tuple[int, ...] | None = None) -> Iterator[Row]:
         """Every violation of every sample, in order; `indices` of samples that do not follow one another."""
@@ -90,7 +95,7 @@ def batch_poses(
     for i, (thing, column) in enumerate(zip(combination.things, columns, strict=True)):
         body = np.repeat(thing.bodies, [len(plan.bodies[b].stances) for b in thing.bodies])
         stances = np.concatenate([np.arange(len(plan.bodies[b].stances)) for b in thing.bodies])
-        quats = np.array([plan.bodies[b].stances[s].quat_wxyz for b, s in zip(body, stances, strict=True)])
+        quats = np.array([stance.quat_wxyz for b in thing.bodies for stance in plan.bodies[b].stances])
         w, x, y, z = np.moveaxis(_times_conjugate(samples.quat_wxyz[rows, column], quats), -1, 0)
         tilt = 2.0 * np.hypot(x, y) / np.sqrt(w * w + x * x + y * y + z * z)
         allowed = [spot.stance for spot in thing.spots] or thing.stances

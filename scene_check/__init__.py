@@ -10,25 +10,17 @@ from schemas.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from scene_check.check_scene import check
     from scene_check.model import (
-        CheckKeepOut,
         CheckObject,
-        CheckPlace,
-        CheckPrism,
-        CheckReach,
-        CheckRelation,
         CheckScene,
+        PosedPlace,
         Violation,
         ViolationKind,
     )
 
 __all__ = [
-    "CheckKeepOut",
     "CheckObject",
-    "CheckPlace",
-    "CheckPrism",
-    "CheckReach",
-    "CheckRelation",
     "CheckScene",
+    "PosedPlace",
     "Violation",
     "ViolationKind",
     "check",
@@ -36,13 +28,9 @@ __all__ = [
 __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "CheckKeepOut": "scene_check.model",
         "CheckObject": "scene_check.model",
-        "CheckPlace": "scene_check.model",
-        "CheckPrism": "scene_check.model",
-        "CheckReach": "scene_check.model",
-        "CheckRelation": "scene_check.model",
         "CheckScene": "scene_check.model",
+        "PosedPlace": "scene_check.model",
         "Violation": "scene_check.model",
         "ViolationKind": "scene_check.model",
         "check": "scene_check.check_scene",

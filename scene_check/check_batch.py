@@ -14,13 +14,14 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
+from geom.planar import front_of
+from geom.polygon_measures import distances
 from scene_check import Violation, check
-from scene_check.batch import WORLD, BatchPoses, KeepOutRule, RelationRule, SceneRules, ThingRule, scene_at
+from scene_check.batch import BatchPoses, SceneRules, ThingRule, scene_at
 from scene_check.model import TOLERANCE_M, TURN
+from scene_check.relations import PREDICATES, SLACK_M, BatchMembers
 from schemas.arrays import BoolArray, FloatArray, IntArray
-
-# Half the tolerance of the exact judge, so that rounding cannot pass a scene that it rejects.
-SLACK_M = 0.5 * TOLERANCE_M
+from schemas.scene.geometry import BACKGROUND, KeepOutVolume, ScenePlace, SceneRelation
 
 
 @dataclass(frozen=True)
@@ -56,24 +57,26 @@ def unproven(rules: SceneRules, poses: BatchPoses) -> BoolArray:
     for keep_out in rules.keep_outs:
         bad |= _kept_out(rules, poses, footprints, keep_out)
     if rules.reach is not None:
-        members = [i for i, thing in enumerate(rules.things) if thing.name in rules.reach.objects]
+        members = [i for i, thing in enumerate(rules.things) if thing.name in rules.reach.members]
         away = np.hypot(*np.moveaxis(poses.origin_m[:, members, :2] - rules.reach.base_m[:2], -1, 0))
         bad |= ((away > rules.reach.most_m + SLACK_M) | (away < rules.reach.least_m - SLACK_M)).any(axis=1)
     return bad
 
 
 def _footprint_bounds(rules: SceneRules, poses: BatchPoses) -> FootprintBounds:
-    hulls, low, high = [], [], []
+    hulls: list[FloatArray] = []
+    low: list[FloatArray] = []
+    high: list[FloatArray] = []
     for i, thing in enumerate(rules.things):
         index = poses.form[:, i]
-        outlines = [_hull(np.vstack([p.outline_m for p in form.prisms])) for form in thing.forms]
+        outlines = [_hull(np.vstack([p.outline_m for p in form.prisms])) for _, form in thing.forms]
         most = max(len(outline) for outline in outlines)
         corners = np.stack([np.vstack([o, np.repeat(o[:1], most - len(o), axis=0)]) for o in outlines])
         at = poses.origin_m[:, i]
         hulls.append(_turned(corners[index], poses.yaw_rad[:, i]) + at[:, None, :2])
-        floor = at[:, 2] - np.array([form.origin_height_m for form in thing.forms])[index]
-        low.append(floor + np.array([min(p.low_m for p in form.prisms) for form in thing.forms])[index])
-        high.append(floor + np.array([max(p.high_m for p in form.prisms) for form in thing.forms])[index])
+        floor = at[:, 2] - np.array([form.origin_height_m for _, form in thing.forms])[index]
+        low.append(floor + np.array([min(p.low_m for p in form.prisms) for _, form in thing.forms])[index])
+        high.append(floor + np.array([max(p.high_m for p in form.prisms) for _, form in thing.forms])[index])
     return FootprintBounds(tuple(hulls), np.stack(low, axis=1), np.stack(high, axis=1))
 
 
@@ -88,37 +91,35 @@ def _turned(points: FloatArray, yaw_rad: FloatArray) -> FloatArray:
     return np.stack([c * points[..., 0] - s * points[..., 1], s * points[..., 0] + c * points[..., 1]], axis=-1)
 
 
-def _owner(rules: SceneRules, poses: BatchPoses, number: int) -> tuple[FloatArray, FloatArray]:
+def _owner(rules: SceneRules, poses: BatchPoses, name: str) -> tuple[FloatArray, FloatArray]:
     """Origins (n or 1, 3) and yaws (n or 1,) in W of an owner."""
-    if number == WORLD:
+    if name == BACKGROUND:
         return rules.origin_m[None], np.array([rules.yaw_rad])
-    return poses.origin_m[:, number], poses.yaw_rad[:, number]
+    return poses.origin_m[:, rules.number[name]], poses.yaw_rad[:, rules.number[name]]
 
 
 def _in_place(
-    rules: SceneRules, poses: BatchPoses, number: int, points_W: FloatArray
+    rules: SceneRules, poses: BatchPoses, owner: str, place: ScenePlace, points_W: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Points (n, v, 2) in A of a place, its height (n or 1,) and its yaw (n or 1,) in W."""
-    rule = rules.places[number]
-    origin, yaw = _owner(rules, poses, rule.owner)
-    inside = _turned(points_W - origin[:, None, :2], -yaw) - rule.at.origin_m[:2]
-    if rule.at.yaw_rad:
-        inside = _turned(inside, np.full(1, -rule.at.yaw_rad))
-    return inside, origin[:, 2] + rule.at.origin_m[2], yaw + rule.at.yaw_rad
+    origin, yaw = _owner(rules, poses, owner)
+    inside = _turned(points_W - origin[:, None, :2], -yaw) - place.origin_P_m[:2]
+    return inside, origin[:, 2] + place.origin_P_m[2], yaw
 
 
 def _allowed(rules: SceneRules, poses: BatchPoses, i: int, thing: ThingRule) -> BoolArray:
     """(n,) True where ranges, fixed poses or stances of object i are not proven to hold."""
-    stance = np.array([form.stance for form in thing.forms])[poses.form[:, i]]
-    if thing.fixed_poses:
+    stance = np.array([number for number, _ in thing.forms])[poses.form[:, i]]
+    domain = thing.domain
+    if domain.fixed_poses:
         return _off_fixed_poses(rules, poses, i, thing, stance)
-    bad = ~np.isin(stance, thing.stances)
-    points, _, turn = _in_place(rules, poses, thing.place, poses.origin_m[:, i, None, :2])
+    bad = ~np.isin(stance, domain.orientation_indices)
+    points, _, turn = _in_place(rules, poses, thing.owner, thing.place, poses.origin_m[:, i, None, :2])
     at = points[:, 0]
-    for axis, (low, high) in enumerate((thing.x_m, thing.y_m)):
+    for axis, (low, high) in enumerate((domain.x_m, domain.y_m)):
         bad |= (at[:, axis] < low - SLACK_M) | (at[:, axis] > high + SLACK_M)
-    if thing.yaw_rad[1] - thing.yaw_rad[0] < TURN:
-        bad |= _turn(poses.yaw_rad[:, i] - turn, *thing.yaw_rad) > SLACK_M
+    if domain.yaw_rad[1] - domain.yaw_rad[0] < TURN:
+        bad |= _turn(poses.yaw_rad[:, i] - turn, *domain.yaw_rad) > SLACK_M
     return bad
 
 
@@ -128,32 +129,32 @@ def _turn(angle: FloatArray, low: float, high: float) -> FloatArray:
 
 
 def _off_fixed_poses(rules: SceneRules, poses: BatchPoses, i: int, thing: ThingRule, stance: IntArray) -> BoolArray:
-    at, floor, turn = _in_place(rules, poses, thing.place, poses.origin_m[:, i, None, :2])
+    at, floor, turn = _in_place(rules, poses, thing.owner, thing.place, poses.origin_m[:, i, None, :2])
     z, yaw = poses.origin_m[:, i, 2] - floor, poses.yaw_rad[:, i] - turn
     least = np.full(len(stance), np.inf)
-    for x, y, up, spot_yaw, spot_stance in thing.fixed_poses:
-        off = np.maximum(np.abs(at[:, 0] - (x, y)).max(axis=1), np.abs(z - up))
-        off = np.maximum(off, _turn(yaw, spot_yaw, spot_yaw))
-        least = np.where(stance == spot_stance, np.minimum(least, off), least)
+    for pose in thing.domain.fixed_poses:
+        off = np.maximum(np.abs(at[:, 0] - (pose.x_m, pose.y_m)).max(axis=1), np.abs(z - pose.z_m))
+        off = np.maximum(off, _turn(yaw, pose.yaw_rad, pose.yaw_rad))
+        least = np.where(stance == pose.stance, np.minimum(least, off), least)
     return least > SLACK_M
 
 
 def _places(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, i: int) -> BoolArray:
     """(n,) True where object i is not proven to be supported and clear of the geometry of all its owners."""
-    number = rules.things[i].place
-    has_fixed_pose = bool(rules.things[i].fixed_poses)
+    thing = rules.things[i]
+    has_fixed_pose = bool(thing.domain.fixed_poses)
     bad = np.zeros(len(footprints.low_m), dtype=bool)
     direct = True
     while True:
-        place = rules.places[number].at
-        hull, floor, _ = _in_place(rules, poses, number, footprints.hulls[i])
+        place = thing.place
+        hull, floor, _ = _in_place(rules, poses, thing.owner, place, footprints.hulls[i])
         low, high = footprints.low_m[:, i] - floor, footprints.high_m[:, i] - floor
         if direct or not place.layers:
             bad |= high > place.height_m + SLACK_M
         if direct:
             if not has_fixed_pose:
                 bad |= np.abs(low) > SLACK_M  # lower: inside the owner; higher: on other contents, if any
-            if place.polygon is not None:
+            if not place.is_volume:
                 off = ~_covered(hull, place.polygon)
                 bad |= off & (np.abs(low) <= TOLERANCE_M + SLACK_M) if has_fixed_pose else off
         for layer_low, layer_high, polygon in place.layers:
@@ -163,10 +164,9 @@ def _places(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, i
             meets = np.minimum(high, part.high_m) - np.maximum(low, part.low_m) > SLACK_M
             if meets.any():
                 bad |= meets & (_gap_to(hull, part.outline_m) < -SLACK_M)
-        owner = rules.places[number].owner
-        if owner == WORLD:
+        if thing.owner == BACKGROUND:
             return bad
-        number, direct = rules.things[owner].place, False
+        thing, direct = rules.things[rules.number[thing.owner]], False
 
 
 def _covered(hulls: FloatArray, polygon: Polygon) -> BoolArray:
@@ -215,69 +215,53 @@ def _pairs(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds) ->
         for row in np.flatnonzero(near.any(axis=0)):
             scenes = np.flatnonzero(near[:, row] & ~bad)
             outline_a = shapely.polygons(footprints.hulls[i][scenes])
-            outline_b = shapely.polygons(footprints.hulls[others[row]][scenes])
-            bad[scenes[shapely.distance(outline_a, outline_b) < max(bound, SLACK_M)]] = True
+            outline_b = shapely.polygons(footprints.hulls[int(others[row])][scenes])
+            bad[scenes[distances(outline_a, outline_b) < max(bound, SLACK_M)]] = True
     return bad
 
 
 def _owners(rules: SceneRules, i: int) -> set[int]:
     owners: set[int] = set()
-    owner = rules.places[rules.things[i].place].owner
-    while owner != WORLD:
-        owners.add(owner)
-        owner = rules.places[rules.things[owner].place].owner
+    while (owner := rules.things[i].owner) != BACKGROUND:
+        i = rules.number[owner]
+        owners.add(i)
     return owners
 
 
-def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: RelationRule) -> BoolArray:
+def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: SceneRelation) -> BoolArray:
     """(n,) True where a relation is proven to hold."""
     n = len(footprints.low_m)
-    origins = [poses.origin_m[:, i, :2] for i in rule.things]
     turn = np.broadcast_to(_owner(rules, poses, rule.frame)[1], (n,))
-    along = _turned(np.broadcast_to(rule.direction, (n, 1, 2)), turn)[:, 0]
-    if rule.kind == "before":
-        first, second = (np.einsum("nvd,nd->nv", footprints.hulls[i], along) for i in rule.things[:2])
-        return second.min(axis=1) - first.max(axis=1) >= rule.gap_m - SLACK_M
-    if rule.kind == "far_from":
-        outline_a, outline_b = (shapely.polygons(footprints.hulls[i]) for i in rule.things[:2])
-        return np.asarray(shapely.distance(outline_a, outline_b)) >= rule.gap_m - SLACK_M
-    if rule.kind == "near" and all(len(form.prisms) == 1 for i in rule.things[:2] for form in rules.things[i].forms):
-        outline_a, outline_b = (shapely.polygons(footprints.hulls[i]) for i in rule.things[:2])
-        return np.asarray(shapely.distance(outline_a, outline_b)) <= rule.gap_m + SLACK_M
-    if rule.kind == "aligned":
-        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
-        offsets = np.stack([np.einsum("nd,nd->n", at, across) for at in origins])
-        return np.ptp(offsets, axis=0) <= rule.tolerance + SLACK_M
-    if rule.kind == "facing":
-        fronts = np.stack([form.front for form in rules.things[rule.things[0]].forms])[poses.form[:, rule.things[0]]]
-        front = _turned(fronts[:, None], poses.yaw_rad[:, rule.things[0]])[:, 0]
-        toward = origins[1] - origins[0]
-        cross = front[:, 0] * toward[:, 1] - front[:, 1] * toward[:, 0]
-        angle = np.abs(np.arctan2(cross, np.einsum("nd,nd->n", front, toward)))
-        seen_far = np.minimum(np.hypot(*toward.T), np.hypot(*front.T)) > 2.0 * TOLERANCE_M
-        return seen_far & (angle <= rule.tolerance + SLACK_M)
-    if rule.kind == "between":
-        line, step = origins[2] - origins[1], origins[0] - origins[1]
-        length = np.hypot(*line.T)
-        safe = np.where(length > 2.0 * TOLERANCE_M, length, 1.0)
-        past = np.einsum("nd,nd->n", step, line) / safe
-        beside = np.abs(step[:, 0] * line[:, 1] - step[:, 1] * line[:, 0]) / safe
-        inside = (past >= -SLACK_M) & (past <= length + SLACK_M) & (beside <= rule.tolerance + SLACK_M)
-        return inside & (length > 2.0 * TOLERANCE_M)
-    return np.zeros(n, dtype=bool)
+    numbers = [rules.number[name] for name in rule.things]
+    members = BatchMembers(
+        hulls=[footprints.hulls[i] for i in numbers],
+        low_m=[footprints.low_m[:, i] for i in numbers],
+        high_m=[footprints.high_m[:, i] for i in numbers],
+        origins=[poses.origin_m[:, i, :2] for i in numbers],
+        front_of=lambda k: _fronts(rules, poses, numbers[k]),
+        along=_turned(np.broadcast_to(rule.direction, (n, 1, 2)), turn)[:, 0],
+        is_hull=all(len(form.prisms) == 1 for i in numbers for _, form in rules.things[i].forms),
+    )
+    return PREDICATES[rule.kind].proven(rule, members)
 
 
-def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: KeepOutRule) -> BoolArray:
+def _fronts(rules: SceneRules, poses: BatchPoses, i: int) -> FloatArray:
+    """Directions (n, 2) in W of the front of object i."""
+    fronts = np.stack([front_of(form.quat_wxyz) for _, form in rules.things[i].forms])[poses.form[:, i]]
+    return _turned(fronts[:, None], poses.yaw_rad[:, i])[:, 0]
+
+
+def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, rule: KeepOutVolume) -> BoolArray:
     """(n,) True where an object may be over a keep-out."""
-    owner = rules.places[rule.place].owner
-    exempt = {owner} | (set() if owner == WORLD else _owners(rules, owner))
+    owner = rules.number.get(rule.parent)
+    exempt: set[int] = set() if owner is None else {owner} | _owners(rules, owner)
     bad = np.zeros(len(footprints.low_m), dtype=bool)
     for i in range(len(rules.things)):
         if i in exempt:
             continue
-        hull, floor, _ = _in_place(rules, poses, rule.place, footprints.hulls[i])
+        hull, floor, _ = _in_place(rules, poses, rule.parent, rule.place, footprints.hulls[i])
         meets = np.minimum(footprints.high_m[:, i] - floor, rule.height_m) - np.maximum(
             footprints.low_m[:, i] - floor, 0.0
         )
-        bad |= (meets > SLACK_M) & np.asarray(shapely.distance(rule.polygon, shapely.polygons(hull)) <= 0.0)
+        bad |= (meets > SLACK_M) & (distances(rule.polygon, shapely.polygons(hull)) <= 0.0)
     return bad

@@ -18,8 +18,9 @@ from __future__ import annotations
 from scene_check.model import CheckScene, Violation, changed_since
 from scene_check.pairs import too_close
 from scene_check.placement import owners_entered, unsupported, wrong_pose
-from scene_check.relations import broken_relation, entered_keep_out, out_of_reach
+from scene_check.relations import broken_relation
 from scene_check.stacking import unstable_stacks
+from scene_check.zones import entered_keep_out, out_of_reach
 
 
 def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation, ...]:
@@ -38,10 +39,10 @@ def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation
     violations += unstable_stacks(scene)
     violations += too_close(scene, by_name, changed)
     for relation in scene.relations:
-        if id(relation) not in judged_before or not changed.isdisjoint(relation.objects):
-            violations += broken_relation(relation, [by_name[name] for name in relation.objects])
-    for keep_out in scene.keep_outs:
-        violations += entered_keep_out(keep_out, scene, by_name)
+        if id(relation) not in judged_before or not changed.isdisjoint(relation.things):
+            violations += broken_relation(relation, [by_name[name] for name in relation.things])
+    for place, keep_out in scene.keep_outs:
+        violations += entered_keep_out(place, keep_out, scene, by_name)
     if scene.reach is not None:
         violations += out_of_reach(scene.reach, by_name)
     return tuple(violations)

@@ -6,11 +6,12 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scene_check.model import TOLERANCE_M, CheckPlace
+from geom.polygon_measures import distances
+from scene_check.model import TOLERANCE_M, PosedPlace
 from schemas.arrays import FloatArray, ObjectArray
 
 
-def to_place(points_W: FloatArray, place: CheckPlace) -> FloatArray:
+def to_place(points_W: FloatArray, place: PosedPlace) -> FloatArray:
     """Points (n, 2) of W in A."""
     return (points_W - place.origin_m[:2]) @ place.turn_WA
 
@@ -22,7 +23,7 @@ def outside(outline: FloatArray, polygon: Polygon) -> float:
     if polygon.covers(shape) or polygon.buffer(TOLERANCE_M, join_style="mitre").covers(shape):
         return 0.0
     beyond = shape.difference(polygon)
-    corners = float(shapely.distance(shapely.points(outline), polygon).max())
+    corners = float(distances(shapely.points(outline), polygon).max())
     return max(corners, float(shapely.maximum_inscribed_circle(largest(beyond)).length), TOLERANCE_M)
 
 

@@ -5,14 +5,14 @@ Frame A of a place: its origin and yaw in W, z up.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from shapely import Polygon
 
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import Domain, KeepOutVolume, Prism, ReachRing, ScenePlace, SceneRelation
 
 TOLERANCE_M = 1e-6
 TURN = 2.0 * np.pi
@@ -23,27 +23,13 @@ ViolationKind = Literal[
 
 
 @dataclass(frozen=True)
-class CheckPrism:
-    """A convex outline (n, 2) counter-clockwise and its lowest and highest z, in W (in A where stated)."""
-
-    outline_m: FloatArray
-    low_m: float
-    high_m: float
-
-
-@dataclass(frozen=True)
-class CheckPlace:
-    """A place on or in an owner: `origin_m` (3,) and `yaw_rad` of A in W; `polygon` (with holes), `layers` (low, high,
-    polygon) and `above` in A. A surface has a polygon, a volume has layers; `height_m` is free height or rim."""
+class PosedPlace:
+    """A place on or in an owner, with `origin_m` (3,) and `yaw_rad` of its frame A in W."""
 
     owner: str
-    name: str
+    geometry: ScenePlace
     origin_m: FloatArray
     yaw_rad: float
-    polygon: Polygon | None = None
-    layers: tuple[tuple[float, float, Polygon], ...] = ()
-    height_m: float = np.inf
-    above: tuple[CheckPrism, ...] = ()
 
     @cached_property
     def turn_WA(self) -> FloatArray:
@@ -54,22 +40,19 @@ class CheckPlace:
 
 @dataclass(frozen=True)
 class CheckObject:
-    """One placed object: origin of its asset frame (3,) and direction of its front (2,) in W, its prisms in W,
-    and the poses that its program allows: ranges of x, y, yaw in A,
-    or `fixed_poses` (x, y, z, yaw) in A, and stances by number."""
+    """One placed object: origin of its asset frame (3,) and direction of its front (2,) in W, its prisms in W, and
+    the poses that its program allows in A. `stance` is the number of the resting orientation; `is_known` is False where
+    its orientation is none of them, and the nearest is given."""
 
     name: str
-    prisms: tuple[CheckPrism, ...]
+    prisms: tuple[Prism, ...]
     origin_m: FloatArray
     yaw_rad: float
     front: FloatArray
-    place: CheckPlace
-    x_m: tuple[float, float] = (-np.inf, np.inf)
-    y_m: tuple[float, float] = (-np.inf, np.inf)
-    yaw_range_rad: tuple[float, float] = (-np.pi, np.pi)
-    fixed_poses: tuple[tuple[float, float, float, float], ...] = ()
+    place: PosedPlace
+    domain: Domain = field(default_factory=Domain)
     stance: int = 0
-    stances: tuple[int, ...] = (0,)
+    is_known: bool = True
 
     @cached_property
     def box_m(self) -> tuple[float, float, float, float]:
@@ -90,46 +73,15 @@ class CheckObject:
 
 
 @dataclass(frozen=True)
-class CheckRelation:
-    """`before`, `near`, `far_from`, `aligned`, `facing` or `between` over names; `direction` (2,) is unit and in W."""
-
-    kind: str
-    objects: tuple[str, ...]
-    direction: FloatArray
-    gap_m: float = 0.0
-    tolerance: float = 0.0
-    label: str = ""
-
-
-@dataclass(frozen=True)
-class CheckKeepOut:
-    """No object but its owners may be over `polygon` (in A of `place`) from the place to `height_m` above it."""
-
-    place: CheckPlace
-    polygon: Polygon
-    height_m: float
-    label: str = ""
-
-
-@dataclass(frozen=True)
-class CheckReach:
-    """Origins of `objects` lie between `least_m` and `most_m` from `base_m` in x and y."""
-
-    base_m: FloatArray
-    least_m: float
-    most_m: float
-    objects: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class CheckScene:
-    """All placed objects with their rules; fixed surroundings are represented by their places."""
+    """All placed objects with their rules; fixed surroundings are represented by their places. Each keep-out has its
+    place in W; directions of relations are in W."""
 
     objects: tuple[CheckObject, ...]
     clearance_m: float
-    relations: tuple[CheckRelation, ...] = ()
-    keep_outs: tuple[CheckKeepOut, ...] = ()
-    reach: CheckReach | None = None
+    relations: tuple[SceneRelation, ...] = ()
+    keep_outs: tuple[tuple[PosedPlace, KeepOutVolume], ...] = ()
+    reach: ReachRing | None = None
 
 
 @dataclass(frozen=True)
@@ -153,9 +105,9 @@ def owners_of(item: CheckObject, by_name: dict[str, CheckObject]) -> frozenset[s
     return frozenset(names)
 
 
-def same_place(place_a: CheckPlace, place_b: CheckPlace) -> bool:
+def same_place(place_a: PosedPlace, place_b: PosedPlace) -> bool:
     """Whether two places are the same."""
-    return (place_a.owner, place_a.name) == (place_b.owner, place_b.name)
+    return (place_a.owner, place_a.geometry.name) == (place_b.owner, place_b.geometry.name)
 
 
 def changed_since(known: CheckScene | None, scene: CheckScene, by_name: dict[str, CheckObject]) -> frozenset[str]:

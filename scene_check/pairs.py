@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Literal
+from collections.abc import Iterable, Iterator
+from typing import Literal, cast
 
 import numpy as np
 import shapely
 
+from geom.polygon_measures import bounds
 from scene_check.measures import overlap, polygons, separation
 from scene_check.model import TOLERANCE_M, CheckObject, CheckScene, Violation, owners_of, same_place
-from schemas.arrays import BoolArray
+from schemas.arrays import BoolArray, ObjectArray
 
 
 def too_close(scene: CheckScene, by_name: dict[str, CheckObject], changed: frozenset[str]) -> Iterator[Violation]:
@@ -26,8 +27,9 @@ def too_close(scene: CheckScene, by_name: dict[str, CheckObject], changed: froze
     moved = moved[owner]
     changed_parts = np.flatnonzero(moved)
     margin = scene.clearance_m + TOLERANCE_M
-    boxes = shapely.bounds(footprints[changed_parts]) + np.array([-margin, -margin, margin, margin])
-    part_a, part_b = shapely.STRtree(footprints).query(shapely.box(*boxes.T))
+    boxes = bounds(footprints[changed_parts]) + np.array([-margin, -margin, margin, margin])
+    areas = cast(ObjectArray, shapely.box(*boxes.T))
+    part_a, part_b = shapely.STRtree(footprints).query(areas)
     part_a = changed_parts[part_a]
     # Two changed objects find each other: the pair counts once, the earlier object first.
     keep = (owner[part_a] < owner[part_b]) | ((owner[part_a] > owner[part_b]) & ~moved[part_b])
@@ -37,12 +39,13 @@ def too_close(scene: CheckScene, by_name: dict[str, CheckObject], changed: froze
     part_a, part_b = np.where(owner[part_a] < owner[part_b], (part_a, part_b), (part_b, part_a))
     meet = np.minimum(high[part_a], high[part_b]) - np.maximum(low[part_a], low[part_b]) > TOLERANCE_M
     worst: dict[tuple[int, int], tuple[float, float]] = {}
-    for i, j, meets in zip(part_a.tolist(), part_b.tolist(), meet.tolist(), strict=True):
+    rows: Iterable[tuple[int, int, bool]] = zip(part_a.tolist(), part_b.tolist(), meet.tolist(), strict=True)
+    for i, j, meets in rows:
         a, b = int(owner[i]), int(owner[j])
         scope = _judged(scene.objects[a], scene.objects[b], by_name)
         if scope == "owner" or (scope == "apart" and not meets):
             continue
-        distance = float(shapely.distance(footprints[i], footprints[j]))
+        distance = float(footprints[i].distance(footprints[j]))
         value = distance if distance > 0.0 else separation(parts[i][1].outline_m, parts[j][1].outline_m)
         least, deepest = worst.get((a, b), (np.inf, 0.0))
         worst[a, b] = (min(least, value), max(deepest, -value if meets else 0.0))

@@ -18,6 +18,7 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
+from geom.polygon_measures import distances
 from scene_check.model import TOLERANCE_M, CheckObject, CheckScene, Violation
 
 CONTACT_M = 2e-4
@@ -26,7 +27,7 @@ INSIDE = 0.2  # share of the radius of a disc as large as the footprint
 
 def is_lifted(item: CheckObject) -> bool:
     """Whether other contents of its volume must support an object."""
-    return bool(item.place.layers) and not item.fixed_poses and _lift(item) > TOLERANCE_M
+    return bool(item.place.geometry.layers) and not item.domain.fixed_poses and _lift(item) > TOLERANCE_M
 
 
 def unstable_stacks(scene: CheckScene) -> Iterator[Violation]:
@@ -34,8 +35,8 @@ def unstable_stacks(scene: CheckScene) -> Iterator[Violation]:
     or a load lies outside of the support."""
     inside: dict[tuple[str, str], list[CheckObject]] = defaultdict(list)
     for item in scene.objects:
-        if item.place.layers:
-            inside[item.place.owner, item.place.name].append(item)
+        if item.place.geometry.layers:
+            inside[item.place.owner, item.place.geometry.name].append(item)
     for contents in inside.values():
         if any(is_lifted(item) for item in contents):
             yield from _tipped(contents)
@@ -73,7 +74,7 @@ def _lift(item: CheckObject) -> float:
 
 def _farthest(load: BaseGeometry, support: BaseGeometry) -> float:
     """Largest distance of a point of a load outside of a support."""
-    return float(shapely.distance(shapely.points(shapely.get_coordinates(load)), support).max())
+    return float(distances(shapely.points(shapely.get_coordinates(load)), support).max())
 
 
 def _foot(item: CheckObject) -> BaseGeometry:

@@ -2,57 +2,57 @@
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Callable, Mapping
+from enum import StrEnum
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-EFFECT_NAMES: tuple[str, ...] = (
-    "contact.friction",
-    "contact.restitution",
-    "contact.rolling_friction",
-    "contact.spinning_friction",
-    "contact.anisotropic_friction",
-    "contact.compliance",
-    "body.mass",
-    "body.com_offset",
-    "body.inertia",
-    "body.size",
-    "world.gravity_magnitude",
-    "world.gravity_tilt",
-    "world.linear_drag",
-    "world.quadratic_drag",
-    "world.constant_force",
-    "joint.coulomb_friction",
-    "joint.viscous_friction",
-    "joint.stribeck_friction",
-    "joint.load_dependent_friction",
-    "joint.quadratic_drag",
-    "joint.friction_asymmetry",
-    "joint.spring",
-    "joint.hard_stop",
-    "joint.backlash",
-    "joint.detent",
-    "joint.axis_tilt",
-    "joint.armature",
-    "joint.gravity_load",
-    "actuator.delay",
-    "actuator.gain",
-    "actuator.saturation",
-    "actuator.bias",
-    "actuator.lag",
-    "actuator.ripple",
-    "actuator.deadband",
-    "actuator.supply_sag",
-    "sensor.latency",
-    "sensor.bias",
-    "sensor.scale",
-    "sensor.clock_skew",
-    "sensor.frame_rotation",
-    "sensor.velocity_age",
-    "robot.payload",
-    "robot.pd_gains",
-)
 Interval = tuple[float, float]
+Relation = Literal["<", "<=", ">", ">="]
+Step = Literal["screen", "confirm", "compare", "judge"]
+_HOLDS: Mapping[Relation, Callable[[float, float], bool]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+}
+
+
+class Reason(StrEnum):
+    """Why a candidate passed or failed a test; those that end in a preposition are followed by another candidate."""
+
+    PASSED = "passed"
+    NAMED = "named"
+    NOT_PROMISING = "not promising"
+    OUTRANKED = "outranked"
+    NOT_SINGLED_OUT = "direct estimate does not single it out"
+    NOT_SIGNIFICANT = "not significant"
+    TOO_SMALL = "too small"
+    INTERVAL_INCLUDES_NONE = "interval includes no effect"
+    BOUND_REACHED = "bound reached"
+    NOT_DETERMINED = "not determined by the trials"
+    MAKES_VANISH = "replaces rather than adds to"
+    TEST_TRIALS_WORSE = "test trials worse"
+    METHOD_BIAS = "method bias"
+    ACCEPTED_AFTER = "ranked after"
+    FITS_WORSE_THAN = "fits worse than"
+    EXPLAINS_LESS_THAN = "explains less than"
+    MORE_PARAMETERS_THAN = "no better with more parameters than"
+    INCOMPLETE_WITHOUT = "incomplete without"
+    INSEPARABLE_FROM = "inseparable from"
+    REPLACED_BY = "replaced by"
+    NO_LONGER_NEEDED = "no longer needed"
+    MIMICKED_BY = "mimicked by"
+    NO_DIRECT_ESTIMATE = "no direct estimate"
+    DIRECT_NOT_SIGNIFICANT = "direct estimate not significant"
+    DIRECT_DISAGREES = "direct estimate disagrees"
+    DIRECT_PREFERS = "direct estimate prefers"
+    INPUTS_OF_OTHERS = "inputs of other trials fit as well"
+    SINGLE_TRIAL = "a single test trial"
+    LESS_THAN_UNEXPLAINED = "smaller than what stays unexplained"
+    REMAINDER_OF = "may be a remainder of"
 
 
 class _Machine(BaseModel):
@@ -133,6 +133,38 @@ class Hypothesis(_Machine):
     direct_agrees: bool | None = None  # None: there is no direct route in these data
 
 
+class Criterion(_Machine):
+    """A value beside the bound it was compared with, both in the unit of the quantity."""
+
+    quantity: str
+    value: float
+    relation: Relation
+    bound: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the value lies on the right side of the bound; not where there is no value."""
+        return _HOLDS[self.relation](self.value, self.bound)
+
+
+class CandidateDecision(_Machine):
+    """What one step of the search decided on one candidate, and why.
+
+    round_number   of the search, from 0; the step `judge` follows the last round.
+    beside         `name@place` of the other candidate that the reason refers to; empty where it refers to none.
+    criteria       all of them hold if `kept`; else the last one does not, and decides.
+    """
+
+    round_number: int
+    step: Step
+    name: str
+    where: Place = Place()
+    kept: bool
+    reason: Reason
+    beside: str = ""
+    criteria: tuple[Criterion, ...] = ()
+
+
 class NamedEffect(_Machine):
     """An effect that the verdict names."""
 
@@ -203,4 +235,6 @@ class GapReport(_Machine):
     gain: Gain | None = None
     baselines: tuple[Rival, ...] = ()
     ladder: tuple[Rival, ...] = ()  # declared, null refit, each effect added, noise: held-out rms
+    decisions: tuple[CandidateDecision, ...] = ()  # in the order in which they were made
+    reason_counts: dict[Reason, int] = {}  # decisions by reason
     extension: str = "extension.json"

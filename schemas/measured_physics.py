@@ -23,7 +23,7 @@ class MeasuredPhysics:
     inertia_kgm2: Evidence[Matrix3] | None = None
     friction: Evidence[float] | None = None
     restitution: Evidence[float] | None = None
-    urdf_contact: dict[str, float] = field(default_factory=dict)
+    urdf_contact: dict[str, float] = field(default_factory=dict[str, float])
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ and angles may be in degrees under a key that ends in `_deg` (`zero_deg` for `ze
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -38,7 +39,7 @@ class Strict(BaseModel):
         if not isinstance(data, dict):
             return data
         given: dict[Any, Any] = {}
-        for key, value in data.items():
+        for key, value in cast(dict[Any, Any], data).items():
             stem = str(key).removesuffix("_deg")
             field = next((f for f in (f"{stem}_rad", stem) if f in cls.model_fields and f in _ANGLES), None)
             if stem == key or field is None:
@@ -63,7 +64,7 @@ def _allow_degrees(schema: dict[str, Any]) -> None:
 
 def _radians(value: Any) -> Any:
     if isinstance(value, list | tuple):
-        return [_radians(v) for v in value]
+        return [_radians(v) for v in cast(Sequence[Any], value)]
     return math.radians(value) if isinstance(value, int | float) else value
 
 

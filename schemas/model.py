@@ -78,7 +78,7 @@ class Material:
     clearcoat: float = 0.0
     clearcoat_roughness: float = 0.0
     transmission: float = 0.0
-    unmapped: dict[str, Any] = field(default_factory=dict)
+    unmapped: dict[str, Any] = field(default_factory=dict[str, Any])
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ class Model:
     meters_per_unit: Evidence[float]
     up_axis: Evidence[Axis]
     hints: tuple[str, ...] = ()
-    metadata: dict[str, str] = field(default_factory=dict)
+    metadata: dict[str, str] = field(default_factory=dict[str, str])
     masses: tuple[StatedMass, ...] = ()
     contacts: tuple[StatedContact, ...] = ()
 

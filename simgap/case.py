@@ -19,7 +19,6 @@ from sim.dynamics.linkage_rollout import LinkageRollout
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout
 from sim.dynamics.tree import Tree
 from sim.named_engine import load_engine
-from simgap.kinds.event_problem import EventProblem
 from simgap.kinds.free_body.declared_model import build_body
 from simgap.kinds.free_body.problem import FreeBodyProblem
 from simgap.kinds.free_body.rigid import RigidBodySimulator
@@ -112,12 +111,14 @@ def convention_checks_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Co
     """All conventions that were checked, by reading and by experiment."""
     checks = list(convention_checks.reader_checks(case.measurement, findings))
     problem = case.problem
-    if isinstance(problem, EventProblem):
-        return (*checks, *problem.convention_checks)  # No engine: the law is in closed form.
-    if isinstance(problem, MechanismProblem):
+    events = problem.as_events()
+    if events is not None:
+        return (*checks, *events.convention_checks)  # No engine: the law is in closed form.
+    mechanism = problem.declared_mechanism()
+    if mechanism is not None:
         engine = replay_engine(case.engine)
-        checks += convention_checks.joint_engine_checks(engine.mechanism_rollout, without_armature(problem.declared))
-        checks.append(_joint_step_check(case, problem))
+        checks += convention_checks.joint_engine_checks(engine.mechanism_rollout, without_armature(mechanism))
+        checks.append(_joint_step_check(case, mechanism))
         return tuple(checks)
     rate = convention_checks.rate_frame_check(case.measurement)
     checks += [rate] if rate else []
@@ -140,9 +141,9 @@ def without_armature(model: MechanismModel) -> MechanismModel:
     return replace(model, tree=tree)
 
 
-def _joint_step_check(case: Case, problem: MechanismProblem) -> ConventionCheck:
+def _joint_step_check(case: Case, mechanism: MechanismModel) -> ConventionCheck:
     """Our own roll-outs at steps four times smaller, against the readings' noise, over one second."""
-    applied = apply_terms(problem.declared, ())
+    applied = apply_terms(mechanism, ())
     trial = next(t for t in case.measurement.trials if t.id in case.trials.train)
     windows = cut_windows(joint_windows(trial, applied), 1.0)
     plain, fine = (rollout(applied.mechanism, windows, largest_step_s=5e-3 / k)[0] for k in (1.0, _FINER))

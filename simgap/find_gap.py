@@ -5,6 +5,8 @@ Start here to read the sim gap: `find_effects` calls every step of the pipeline 
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,6 +16,7 @@ from schemas.arrays import FloatArray
 from schemas.gap import (
     AppliedEffect,
     Baseline,
+    CandidateDecision,
     ConventionCheck,
     Estimate,
     Gain,
@@ -21,18 +24,20 @@ from schemas.gap import (
     Hypothesis,
     Localisation,
     ModelExtension,
+    Reason,
     Rival,
 )
 from simgap.baselines.all_effects import all_effects_losses
 from simgap.baselines.residual_regression import corrected
 from simgap.inference.agreement import agrees
 from simgap.inference.candidate_fit import Map
+from simgap.inference.decision import Decided, SearchDecision
 from simgap.inference.fit import robust_scale
 from simgap.inference.forward_selection import MOST_EFFECTS, Selection, select
 from simgap.inference.losses import Comparison, compare, trial_losses
 from simgap.inference.verdict import judge
 from simgap.inference.verdict_text import NAMED
-from simgap.problem import InputTimingProblem, LongHorizonProblem, Model, Problem, View, with_initial_states_at
+from simgap.problem import Model, Problem
 from simgap.recording.train_test_split import Trials
 from simgap.sanity.input_pairing import other_inputs_check, pairing_check
 
@@ -65,22 +70,24 @@ def find_effects(
 
     `quick` leaves out the baseline with all effects at once.
     """
-    others = other_inputs_check(problem, search_view(problem))
+    others = other_inputs_check(problem, problem.search_view)
     mixed_up = others is not None and others.status == "suspect"
-    selection = select(problem, trials, search_view(problem), each, 0 if mixed_up else MOST_EFFECTS)
-    last = with_initial_states_at(problem, selection.final.model)
+    selection = select(problem, trials, problem.search_view, each, 0 if mixed_up else MOST_EFFECTS)
+    last = problem.with_initial_states_at(selection.final.model)
     box = _black_box(last, selection, trials)
     leftover = compare(selection.final_losses, box)
-    pairing = pairing_check(last, selection.final.model, trials.train, search_view(problem))
+    pairing = pairing_check(last, selection.final.model, trials.train, problem.search_view)
     pairing_checks = [check for check in (others, pairing) if check is not None]
-    timing_check = last.timing_check() if isinstance(last, InputTimingProblem) else None
+    timing_check = last.timing_check()
     checks = (*checks, *pairing_checks, *([timing_check] if timing_check else []))
     mispaired = any(check.status == "suspect" for check in pairing_checks)
     short = _gain(last, selection, trials, "short_horizon", horizon_s)
     gains = (short, _gain(last, selection, trials, "full_rollout", 0.0))
-    verdict = judge(
+    judgement = judge(
         problem, selection, trials.train, gains, leftover, _heavy_tail_share(last, selection, trials), mispaired
     )
+    verdict = judgement.verdict
+    decisions = reported_decisions(selection.decisions, judgement.decisions)
     named = [e for e in verdict.effects if e.confidence >= NAMED]
     extension = ModelExtension(
         measurement=measurement,
@@ -104,24 +111,21 @@ def find_effects(
             Rival(name="black_box", heldout=float(box.mean())),
         ),
         ladder=_ablation(last, selection, trials),
+        decisions=decisions,
+        reason_counts=dict(sorted(Counter(d.reason for d in decisions).items())),
     )
     return SearchResult(report, extension, selection)
 
 
-def search_view(problem: Problem) -> View:
-    """The view whose roll-outs decide which effects are accepted."""
-    return problem.search_view if isinstance(problem, LongHorizonProblem) else "short_horizon"
-
-
 def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
-    seen = with_initial_states_at(problem, selection.null.model)
-    losses = all_effects_losses(seen, selection.null.model, trials, search_view(problem), selection.scale)
+    seen = problem.with_initial_states_at(selection.null.model)
+    losses = all_effects_losses(seen, selection.null.model, trials, problem.search_view, selection.scale)
     return Rival(name="all_effects", heldout=float(losses.mean()))
 
 
 def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatArray:
     """Held-out losses of the final model with a black box on top of it."""
-    model, view = selection.final.model, search_view(problem)
+    model, view = selection.final.model, problem.search_view
     teach = problem.residuals(model, trials.train, view)
     judged = problem.residuals(model, trials.test, view)
     better = corrected(problem.features(trials.train, view), teach, problem.features(trials.test, view), judged)
@@ -133,9 +137,9 @@ def _heavy_tail_share(problem: Problem, selection: Selection, trials: Trials) ->
 
     Contacts make even correct roll-outs diverge: there, long tails are no evidence.
     """
-    if not isinstance(problem, LongHorizonProblem):
+    if problem.search_view != "long_horizon":
         return 0.0
-    model, view = selection.final.model, search_view(problem)
+    model, view = selection.final.model, problem.search_view
     level = robust_scale(problem, model, trials.train, view)
     loss = float(trial_losses(problem.residuals(model, trials.test, view), level).mean())
     return max(0.0, 1.0 - _NOISE_LOSS / max(loss, 1e-12))
@@ -204,6 +208,29 @@ def _ablation(problem: Problem, selection: Selection, trials: Trials) -> tuple[R
     return (*steps, Rival(name="noise_floor", heldout=1.0))
 
 
+def reported_decisions(searched: Sequence[SearchDecision], judged: Sequence[Decided]) -> tuple[CandidateDecision, ...]:
+    """The decisions of the search and those on accepted effects after it, as the report lists them.
+
+    What passed the screening is listed by what the later steps of that round decided.
+    """
+    last = max((d.round_number for d in searched), default=0)
+    every = (*searched, *(SearchDecision(last, "judge", candidate, decision) for candidate, decision in judged))
+    return tuple(
+        CandidateDecision(
+            round_number=d.round_number,
+            step=d.step,
+            name=d.candidate.effect.name,
+            where=d.candidate.where,
+            kept=d.decision.kept,
+            reason=d.decision.reason,
+            beside=d.decision.beside,
+            criteria=d.decision.criteria,
+        )
+        for d in every
+        if d.step != "screen" or not d.decision.kept
+    )
+
+
 def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
     """All candidates of the first round, and those of later rounds that were accepted there; best first."""
     rows = []
@@ -212,6 +239,7 @@ def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
         for candidate_fit, p in zip(screening.fits, screening.p_adjusted, strict=True):
             if number > 0 and candidate_fit.candidate.key not in accepted:
                 continue
+            agreement = agrees(candidate_fit)
             units = {q.name: q.unit for q in candidate_fit.candidate.effect.parameters}
             direct = candidate_fit.direct
             rows.append(
@@ -232,7 +260,7 @@ def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
                     }
                     if direct
                     else {},
-                    direct_agrees=agrees(candidate_fit),
+                    direct_agrees=None if agreement.reason is Reason.NO_DIRECT_ESTIMATE else agreement.kept,
                 )
             )
     return tuple(rows)

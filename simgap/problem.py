@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol, runtime_checkable
+from typing import Literal, Protocol
 
 from schemas.arrays import FloatArray
 from schemas.gap import ConventionCheck, Place
-from sim.dynamics.hooks import Effect
+from sim.dynamics.mechanism import MechanismModel
+from sim.effects.effect import Effect
 
 View = Literal["short_horizon", "long_horizon", "full_rollout"]
 
@@ -82,29 +83,22 @@ class DirectEstimate:
     separate_readings: tuple[DirectEstimate, ...] = ()
 
 
-@runtime_checkable
-class LongHorizonProblem(Protocol):
-    """A problem without contacts: its effects are chosen on long horizons, with initial states left free.
+@dataclass(frozen=True)
+class JointMotion:
+    """Stamps (k,) and joint positions (k, j), rad or m, that full roll-outs of one trial are compared with."""
 
-    Contacts make long roll-outs diverge even under a correct model. Without them, the trace of a missing effect grows
-    with time.
-    """
-
-    @property
-    def search_view(self) -> View:
-        """The view in which effects are chosen; `short_horizon` for all other problems."""
-        ...
-
-    def with_initial_states_at(self, model: Model) -> Problem:
-        """The same problem with free initial states linearised at `model`.
-
-        A problem that was linearised at another model keeps all else, such as its input timing.
-        """
-        ...
+    t_s: FloatArray
+    q: FloatArray
 
 
 class Problem(Protocol):
-    """A measurement of one kind with its simulator. The value of a method depends on its arguments alone."""
+    """A measurement of one kind with its simulator. The value of a method depends on its arguments alone.
+
+    A kind inherits from this class. Methods with a body answer for a kind without that capability; kinds that have it
+    override them, and callers never ask which kind a problem is of.
+    """
+
+    horizon_s: float  # length of short roll-outs; 0 for events
 
     @property
     def trial_ids(self) -> tuple[str, ...]:
@@ -143,16 +137,63 @@ class Problem(Protocol):
         """(c,) rms residual (SI) that noise of initial states and readings alone leaves."""
         ...
 
-
-@runtime_checkable
-class InputTimingProblem(Protocol):
-    """A problem that infers from motion when its inputs act."""
-
-    def timing_check(self) -> ConventionCheck | None:
-        """The inferred timing as a check; None where stamps are even or leave no alternative open."""
+    def channel_units(self) -> tuple[str, ...]:
+        """SI unit of each channel."""
         ...
 
+    @property
+    def search_view(self) -> View:
+        """The view whose roll-outs decide which effects are accepted.
 
-def with_initial_states_at(problem: Problem, model: Model) -> Problem:
-    """The problem with its free initial states, if it has any, linearised at `model`."""
-    return problem.with_initial_states_at(model) if isinstance(problem, LongHorizonProblem) else problem
+        Contacts make long roll-outs diverge even under a correct model: only problems without contacts answer
+        `long_horizon`, where the trace of a missing effect grows with time.
+        """
+        return "short_horizon"
+
+    def with_initial_states_at(self, model: Model) -> Problem:
+        """The same problem with its free initial states, if it has any, linearised at `model`.
+
+        A problem that was linearised at another model keeps all else, such as its input timing.
+        """
+        return self
+
+    def timing_check(self) -> ConventionCheck | None:
+        """When inputs act, inferred from motion; None where that is not inferred or leaves no alternative open."""
+        return None
+
+    def with_permuted_inputs(self, by: int = 1) -> Problem | None:
+        """The same motions with inputs of the trial `by` places on; None where nothing drives, or all alike."""
+        return None
+
+    def bootstrap_sample(self, model: Model, seed: int) -> Problem | None:
+        """The same measurement with readings that `model` would have given; None where that cannot be simulated."""
+        return None
+
+    def declared_mechanism(self) -> MechanismModel | None:
+        """The declared model of a fixed mechanism; None for all other kinds."""
+        return None
+
+    def joint_motion(self, trial: str) -> JointMotion | None:
+        """The motion of the joints of a fixed mechanism; None for all other kinds."""
+        return None
+
+    def as_events(self) -> EventProblem | None:
+        """The problem itself where rows are events without time; None for time series."""
+        return None
+
+
+class EventProblem(Problem, Protocol):
+    """A problem whose rows are events without time; short horizon and full roll-out are the same."""
+
+    @property
+    def convention_checks(self) -> tuple[ConventionCheck, ...]:
+        """Conventions of the record that were checked."""
+        ...
+
+    def readings(self, trials: Sequence[str]) -> list[FloatArray]:
+        """Per trial (k, c) what was measured, row by row beside the residuals."""
+        ...
+
+    def slices(self, features: FloatArray) -> dict[str, FloatArray]:
+        """(k,) masks of rows by the words of the report for their common property."""
+        ...

@@ -21,8 +21,6 @@ from simgap.case import Case, case_of, convention_checks_of
 from simgap.extension.extension import terms_of
 from simgap.find_gap import SearchResult, find_effects
 from simgap.inference.candidate_fit import CandidateFit, Map
-from simgap.kinds.event_problem import EventProblem
-from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.problem import Candidate
 from simgap.recording.read import Measurement, read
 from simgap.report.html import PAGE, PICTURES, REPORT, render_page
@@ -144,8 +142,9 @@ def _target(measurement: Measurement) -> dict[str, str]:
 def _pictures(case: Case, result: SearchResult) -> dict[str, bytes]:
     """PNG files by name."""
     problem, final = case.problem, result.selection.final.model
-    if isinstance(problem, EventProblem):
-        drawn = outcomes(problem, case.trials.test, terms_of(result.extension))
+    events = problem.as_events()
+    if events is not None:
+        drawn = outcomes(events, case.trials.test, terms_of(result.extension))
         return {"overlay.png": drawn, "ladder.png": ablation(result.report.ladder)}
     judged = [t for t in case.measurement.trials if t.id in set(case.trials.test)][:_MOST_REPLAYED]
     declared = [side_by_side(problem, t, ()) for t in judged]
@@ -153,18 +152,16 @@ def _pictures(case: Case, result: SearchResult) -> dict[str, bytes]:
     extended = [side_by_side(problem, t, added) for t in judged] if added else None
     floor = problem.noise_floor(case.trials.test, "full_rollout")
     at, channel = largest_improvement(declared, extended or declared, floor)
-    sliding = (
-        case.joints and problem.declared.tree[channel].prismatic if isinstance(problem, MechanismProblem) else True
-    )
-    unit = "m" if sliding else "rad"
+    unit = problem.channel_units()[channel]
     drawn = {
         "overlay.png": overlay(declared[at], extended[at] if extended else None, channel, unit),
         "ladder.png": ablation(result.report.ladder),
     }
-    if result.selection.accepted and isinstance(problem, MechanismProblem):
+    mechanism = problem.declared_mechanism()
+    if result.selection.accepted and mechanism is not None:
         best = result.selection.accepted[0].candidate_fit.candidate
         ids = (*case.trials.train, *case.trials.test)
-        picture = unexplained(problem, case.measurement, final, best.effect.name, best.where, ids)
+        picture = unexplained(mechanism, case.measurement, final, best.effect.name, best.where, ids)
         drawn |= {"unexplained.png": picture} if picture else {}
     return drawn
 

@@ -1,8 +1,5 @@
 """The contact material of a collider prim, as OpenUSD resolves its material bindings."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pxr import Usd, UsdPhysics, UsdShade

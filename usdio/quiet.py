@@ -1,8 +1,5 @@
 """A context in which OpenUSD writes nothing to the terminal; callers report what matters as diagnostics."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

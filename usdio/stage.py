@@ -1,8 +1,5 @@
 """Opens the composed USD stage of a package from its current files on disk."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pathlib import Path

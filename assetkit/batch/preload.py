@@ -27,7 +27,7 @@ from jobs.versions import library_versions  # noqa: E402
 from render.ready_studio import prepare_studio  # noqa: E402
 from render.request import RenderRequest  # noqa: E402
 from render.window import NoOpenGL  # noqa: E402
-from schemas import array_files  # noqa: E402
+from schemas.files import array_files  # noqa: E402
 from sim.named_engine import load_engine  # noqa: E402
 from usdio.read.asset import read_stage  # noqa: E402, F401
 
@@ -38,7 +38,7 @@ if engine := os.environ.get("MANA_ENGINE"):
     load_engine(engine)
 # Both size their pools of threads with the first work they get; the fork server sees to it that this is one thread.
 # More would contend with other cells, and several list the triangles of large hulls in an order of chance.
-_ball = Manifold.sphere(1.0, 48).hull().to_mesh()
+_ball = Manifold.sphere(1.0, 48).hull().to_mesh64()
 NearestOnSurface(_ball.vert_properties[:, :3], _ball.tri_verts)(_ball.vert_properties[:, :3])
 
 for _type in (

@@ -69,7 +69,7 @@ def _within_range(material: Material) -> tuple[Material, list[tuple[str, object,
             changes.append((name, old, new))
     if not (math.isfinite(material.ior) and material.ior >= 1.0):
         changes.append(("ior", material.ior, 1.5))
-    return replace(material, **{name: new for name, _, new in changes}), changes  # pyright: ignore[reportArgumentType]
+    return replace(material, **{name: new for name, _, new in changes}), changes
 
 
 def _clamp(value: float, high: float) -> float:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
+from lxml import etree
 
 from jobs.cache import write_atomically
 from schemas.diagnostics import InvalidInput, Location, finding
@@ -27,7 +27,7 @@ def extend_urdf(source: Path, joints: Mapping[str, MeasuredJoint], target: Path)
         raise InvalidInput(finding("gap/unreadable-subject", f"{source.name}: {error}", where=where)) from None
     if robot.tag != "robot":
         raise InvalidInput(finding("gap/unreadable-subject", f"{source.name} is no URDF: <{robot.tag}>", where=where))
-    by_name = {j.get("name"): j for j in robot.findall("joint")}
+    by_name = {name: j for j in robot.findall("joint") if (name := j.get("name")) is not None}
     for name, numbers in joints.items():
         if name not in by_name:
             headline = f"the URDF has no joint '{name}'; there are {', '.join(by_name) or 'none'}"

@@ -16,8 +16,8 @@ from jobs.cell import Limits
 from jobs.warm import run_module
 from render.drawn_grasp import DrawnGrasp
 from render.request import RenderRequest
-from schemas import array_files
 from schemas.arrays import IntArray
+from schemas.files import array_files
 from schemas.model import Model
 from schemas.parts import Part
 from schemas.physics import CollisionShape

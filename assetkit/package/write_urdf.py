@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
+import formats
+from formats.urdf.edit import replace_physics
+from geom.pose import pose
 from schemas.arrays import Float32Array, FloatArray, IntArray
 from schemas.model import Material, Mesh
 from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, RigidBody
+from schemas.robot_description import (
+    DescribedLink,
+    DescribedMaterial,
+    DescribedShape,
+    Inertial,
+    MeshReference,
+    RobotDescription,
+    ShapeFriction,
+)
 from usdio.write.mesh_materials import MeshMaterial, materials_per_mesh
-
-# The namespace that Drake's own files declare for their additions to URDF.
-DRAKE = "http://drake.mit.edu"
-ElementTree.register_namespace("drake", DRAKE)
 
 
 def write_urdf(body: RigidBody, content: PackageContent, folder: Path, shape_contacts: Sequence[Contact] = ()) -> Path:
@@ -32,21 +38,19 @@ def write_urdf(body: RigidBody, content: PackageContent, folder: Path, shape_con
     """
     export = folder / "export"
     (export / "meshes").mkdir(parents=True, exist_ok=True)
-    robot = ElementTree.Element("robot", name=content.asset_id)
-    link = ElementTree.SubElement(robot, "link", name=body.name)
-    _contact(link, body)
-    _inertial(link, body)
-    mesh_materials = materials_per_mesh(content.model)
-    for mesh, mesh_material in zip(content.model.meshes_by_id.values(), mesh_materials, strict=True):
-        if len(mesh.triangles):
-            _visual(link, mesh, mesh_material, export)
+    visuals = [
+        _visual(mesh, material, export)
+        for mesh, material in zip(content.model.meshes_by_id.values(), materials_per_mesh(content.model), strict=True)
+        if len(mesh.triangles)
+    ]
     contacts = shape_contacts if len(set(shape_contacts)) > 1 else [None] * len(body.shapes)
-    for index, (shape, contact) in enumerate(zip(body.shapes, contacts, strict=True)):
-        collision = _collision(link, f"collider_{index:02d}", shape, export)
-        if contact is not None:
-            _proximity(collision, contact)
+    collisions = [
+        _collision(f"collider_{index:02d}", shape, contact, export)
+        for index, (shape, contact) in enumerate(zip(body.shapes, contacts, strict=True))
+    ]
+    link = DescribedLink(body.name, (*visuals, *collisions), _inertial(body), "declared", _contact(body))
     path = export / f"{content.asset_id}.urdf"
-    _save(robot, path)
+    path.write_bytes(formats.write_urdf(RobotDescription(content.asset_id, "urdf", (link,), (), body.name)).data)
     return path
 
 
@@ -56,85 +60,40 @@ def rewrite_urdf(
     """Give the one link of a twin the mass, inertia and friction of `body`, and further children of `<contact>`; the
     shapes `shape_contacts` where they have contacts of their own.
     """
-    robot = ElementTree.parse(path).getroot()
-    link = robot.find("link")
-    if link is None:
-        raise ValueError(f"{path.name} has no link")
-    for old in (*link.findall("contact"), *link.findall("inertial")):
-        link.remove(old)
-    fresh = ElementTree.Element("link")
-    _contact(fresh, body)
-    _inertial(fresh, body)
-    for name, value in contact.items():
-        ElementTree.SubElement(fresh[0], name, value=_text(value))
-    link[:0] = list(fresh)
-    for collision, shape_contact in zip(link.findall("collision"), shape_contacts, strict=False):
-        for old in collision.findall(f"{{{DRAKE}}}proximity_properties"):
-            collision.remove(old)
-            _proximity(collision, shape_contact)
-    _save(robot, path)
+    frictions = tuple(_friction(shape_contact) for shape_contact in shape_contacts)
+    path.write_bytes(replace_physics(path, _inertial(body), {**_contact(body), **contact}, frictions))
 
 
-def _save(robot: ElementTree.Element, path: Path) -> None:
-    ElementTree.indent(robot, "  ")
-    path.write_bytes(ElementTree.tostring(robot, xml_declaration=True, encoding="utf-8"))
+def _contact(body: RigidBody) -> dict[str, float]:
+    return {"lateral_friction": body.contact.dynamic_friction, "restitution": body.contact.restitution}
 
 
-def _contact(link: ElementTree.Element, body: RigidBody) -> None:
-    contact = ElementTree.SubElement(link, "contact")
-    ElementTree.SubElement(contact, "lateral_friction", value=_text(body.contact.dynamic_friction))
-    ElementTree.SubElement(contact, "restitution", value=_text(body.contact.restitution))
+def _friction(contact: Contact) -> ShapeFriction:
+    return ShapeFriction(contact.static_friction, contact.dynamic_friction)
 
 
-def _inertial(link: ElementTree.Element, body: RigidBody) -> None:
-    inertial = ElementTree.SubElement(link, "inertial")
-    ElementTree.SubElement(inertial, "origin", xyz=_texts(body.mass.centre_of_mass_m), rpy="0 0 0")
-    ElementTree.SubElement(inertial, "mass", value=_text(body.mass.mass_kg))
-    inertia = body.mass.inertia_kgm2
-    entries = {f"i{'xyz'[i]}{'xyz'[j]}": _text(inertia[i, j]) for i in range(3) for j in range(i, 3)}
-    ElementTree.SubElement(inertial, "inertia", entries)
+def _inertial(body: RigidBody) -> Inertial:
+    return Inertial(body.mass.mass_kg, pose(None, body.mass.centre_of_mass_m), body.mass.inertia_kgm2)
 
 
-def _visual(link: ElementTree.Element, mesh: Mesh, mesh_material: MeshMaterial, export: Path) -> None:
-    visual = ElementTree.SubElement(link, "visual", name=mesh.id)
-    ElementTree.SubElement(visual, "origin", xyz="0 0 0", rpy="0 0 0")
-    file, uvs = f"visual_{mesh.id}.obj", mesh.uvs[0] if mesh.uvs else None
-    _write_obj(export / "meshes" / file, mesh.points, mesh.triangles, uvs)
-    _mesh_element(visual, file)
-    material = ElementTree.SubElement(visual, "material", name=mesh_material.prim_name)
-    ElementTree.SubElement(
-        material, "color", rgba=_texts((*_srgb(mesh_material.material), mesh_material.material.opacity))
-    )
+def _visual(mesh: Mesh, mesh_material: MeshMaterial, export: Path) -> DescribedShape:
+    file = f"visual_{mesh.id}.obj"
+    _write_obj(export / "meshes" / file, mesh.points, mesh.triangles, mesh.uvs[0] if mesh.uvs else None)
+    red, green, blue = _srgb(mesh_material.material).tolist()
+    material = DescribedMaterial(mesh_material.prim_name, (red, green, blue, mesh_material.material.opacity))
+    reference = MeshReference(f"meshes/{file}")
+    return DescribedShape(mesh.id, "mesh", (), np.eye(4), False, True, mesh=reference, material=material)
 
 
-def _proximity(collision: ElementTree.Element, contact: Contact) -> None:
-    properties = ElementTree.SubElement(collision, f"{{{DRAKE}}}proximity_properties")
-    ElementTree.SubElement(properties, f"{{{DRAKE}}}mu_static", value=_text(contact.static_friction))
-    ElementTree.SubElement(properties, f"{{{DRAKE}}}mu_dynamic", value=_text(contact.dynamic_friction))
-
-
-def _collision(link: ElementTree.Element, name: str, shape: CollisionShape, export: Path) -> ElementTree.Element:
-    collision = ElementTree.SubElement(link, "collision", name=name)
-    rpy = Rotation.from_matrix(shape.X_AS[:3, :3]).as_euler("xyz")  # URDF: fixed axes x, y, z
-    ElementTree.SubElement(collision, "origin", xyz=_texts(shape.X_AS[:3, 3]), rpy=_texts(rpy))
-    if shape.kind == "hull":
-        if shape.points is None or shape.triangles is None:
-            raise ValueError("a hull shape needs points and triangles")
-        _write_obj(export / "meshes" / f"{name}.obj", shape.points, shape.triangles)
-        _mesh_element(collision, f"{name}.obj")
-        return collision
-    geometry = ElementTree.SubElement(collision, "geometry")
-    if shape.kind == "box":
-        ElementTree.SubElement(geometry, "box", size=_texts(shape.size_m))
-    elif shape.kind == "sphere":
-        ElementTree.SubElement(geometry, "sphere", radius=_text(shape.size_m[0]))
-    else:
-        ElementTree.SubElement(geometry, shape.kind, radius=_text(shape.size_m[0]), length=_text(shape.size_m[1]))
-    return collision
-
-
-def _mesh_element(parent: ElementTree.Element, file: str) -> None:
-    ElementTree.SubElement(ElementTree.SubElement(parent, "geometry"), "mesh", filename=f"meshes/{file}", scale="1 1 1")
+def _collision(name: str, shape: CollisionShape, contact: Contact | None, export: Path) -> DescribedShape:
+    friction = _friction(contact) if contact is not None else None
+    if shape.kind != "hull":
+        return DescribedShape(name, shape.kind, shape.size_m, shape.X_AS, True, False, friction=friction)
+    if shape.points is None or shape.triangles is None:
+        raise ValueError("a hull shape needs points and triangles")
+    _write_obj(export / "meshes" / f"{name}.obj", shape.points, shape.triangles)
+    reference = MeshReference(f"meshes/{name}.obj")
+    return DescribedShape(name, "mesh", (), shape.X_AS, True, False, mesh=reference, friction=friction)
 
 
 def _write_obj(path: Path, points: FloatArray, triangles: IntArray, uvs: Float32Array | None = None) -> None:
@@ -153,11 +112,3 @@ def _srgb(material: Material) -> FloatArray:
     """Display colour of the linear base colour (IEC 61966-2-1), which is what URDF viewers expect."""
     linear = np.clip(np.asarray(material.base_color, dtype=np.float64), 0.0, 1.0)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)
-
-
-def _text(value: float) -> str:
-    return repr(float(value))
-
-
-def _texts(values: Iterable[float]) -> str:
-    return " ".join(_text(value) for value in values)

@@ -9,7 +9,7 @@ from pathlib import Path
 from jobs.cache import file_sha256
 from schemas import asset
 from schemas.diagnostics import Diagnostic, Location, finding
-from schemas.references import expected_path, resolve_reference
+from schemas.files.references import expected_path, resolve_reference
 
 _KINDS = {
     stat.S_IFIFO: "a pipe",
@@ -39,7 +39,7 @@ class SourceFile:
         return self.path.resolve().relative_to(self.root.resolve()).as_posix()
 
     def resolve(self, uri: str, *, where: Location | None = None, base: Path | None = None) -> Path | None:
-        """The file `uri` names, or None when absent; see `schemas.references.resolve_reference`."""
+        """The file `uri` names, or None when absent; see `schemas.files.references.resolve_reference`."""
         folder = base or self.path.parent
         path = resolve_reference(uri, base=folder, root=self.root, where=where)
         if path is not None:

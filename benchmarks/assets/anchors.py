@@ -17,13 +17,13 @@ import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from assetkit.affordances.anchor_trials import verify_anchors
 from assetkit.affordances.anchors import propose_anchors
 from assetkit.colliders.choose import choose_colliders
 from assetkit.geometry.canonical_model import canonicalize
-from assetkit.options import Options
+from assetkit.options import Options, UpAxisName
 from benchmarks.assets.truth_files import located, object_of
 from geom.features.cavities import find_cavities
 from schemas.anchors import Anchor
@@ -54,7 +54,7 @@ def rows(assets: Path, *, only: str = "", proposed: bool = False) -> Iterator[Ro
 
 
 def _row(truth: dict[str, str], file: Path, root: Path, simulator: BulletSimulator | None) -> Row:
-    options = Options(up_axis=truth["up_axis"])
+    options = Options(up_axis=cast(UpAxisName, truth["up_axis"]))  # Options checks the word
     canonical = canonicalize(object_of(file, options, root), file.name, options).value
     assert canonical is not None, f"{file} is not refused"
     started = time.perf_counter()

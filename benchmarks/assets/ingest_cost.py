@@ -11,9 +11,6 @@ One more round counts openings: calls of `Usd.Stage.Open` on a file or on a laye
 `Sdf.Layer.OpenAsAnonymous`, by whatever code.
 """
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import argparse

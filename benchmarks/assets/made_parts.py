@@ -20,7 +20,7 @@ from assetkit.parts.find import find_parts
 from benchmarks.assets.made_things import Thing, things
 from geom.features.cavities import find_cavities
 from geom.mesh.surface_distance import triangle_areas
-from schemas.arrays import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 from schemas.evidence import declared
 from schemas.model import Mesh
 from schemas.physics import Solid
@@ -42,7 +42,7 @@ class Row(NamedTuple):
 def rows(seed: int, draws: int, *, turned: bool, only: str = "") -> Iterator[Row]:
     rng = np.random.default_rng(seed)
     for thing in things(seed, draws):
-        R = Rotation.random(random_state=rng).as_matrix() if turned else np.eye(3)
+        R = Rotation.random(rng=rng).as_matrix() if turned else np.eye(3)
         if only in thing.name:
             yield _row(thing, thing.points @ R.T)
 
@@ -74,7 +74,7 @@ def _row(thing: Thing, points: FloatArray) -> Row:
     return Row(thing.name, len(asked), len(asked) - len(left), wrong, [label for label, _ in left], seconds)
 
 
-def _apart(thing: Thing, mask: FloatArray, label: str) -> list[FloatArray]:
+def _apart(thing: Thing, mask: BoolArray, label: str) -> list[BoolArray]:
     """Handles on two sides are two parts; everything else of one label is one."""
     if thing.name != "pot with two handles" or label != "handle":
         return [mask]

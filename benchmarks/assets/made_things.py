@@ -69,7 +69,7 @@ def _box(x: float, y: float, z: float, at: tuple[float, float, float]) -> Manifo
 def _rod(start: Sequence[float], end: Sequence[float], radius: float, last: float | None = None) -> Manifold:
     """A rod with round ends between two points; it tapers to `last` where that is given."""
     ends = [
-        Manifold.sphere(r, 24).translate(tuple(map(float, p)))
+        Manifold.sphere(r, 24).translate((float(p[0]), float(p[1]), float(p[2])))
         for p, r in ((start, radius), (end, radius if last is None else last))
     ]
     return Manifold.batch_hull(ends)

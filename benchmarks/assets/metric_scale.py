@@ -14,7 +14,7 @@ import argparse
 import csv
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,6 +31,7 @@ from assetkit.stage import Intake
 from assetkit.taxonomy.tables import Category
 from benchmarks.assets.truth_files import object_of, roots
 from geom.convex.primitive_fits import fit_box
+from schemas.arrays import FloatArray
 from schemas.evidence import Evidence, default
 
 TABLE = Path(__file__).with_name("metric_scale_truth.csv")
@@ -84,7 +85,7 @@ def answers(assets: Path, only: str = "") -> Iterator[Answer]:
                     )
 
 
-def _category(path: Path, item: Intake, edges_m: Sequence[float]) -> Category | None:
+def _category(path: Path, item: Intake, edges_m: FloatArray) -> Category | None:
     """What the names say it is; of the shape only the proportions are known."""
     small, middle, large = (float(e) for e in edges_m)
     nodes = tuple(m.name for m in item.model.meshes if m.name)
@@ -96,14 +97,16 @@ def _category(path: Path, item: Intake, edges_m: Sequence[float]) -> Category | 
 
 
 def _asked(
-    item: Intake, extent: Sequence[float], edges: Sequence[float], category: Category | None, without: str
+    item: Intake, extent: FloatArray, edges: FloatArray, category: Category | None, without: str
 ) -> tuple[Evidence[float], bool]:
     """The scale that the pipeline estimates, and whether a person has to review it."""
     x, y, z = (float(e) for e in extent)
     if category is None and not is_normalised((x, y, z)):
         decision = decide_unit(stated=default(1.0), extent=(x, y, z), format_=item.format)
         return decision.meters_per_unit, decision.review
-    scale = estimate_scale((x, y, z), edges, category, CATEGORY_PRECISION, format_=item.format, excluded_anchor=without)
+    scale = estimate_scale(
+        (x, y, z), edges.tolist(), category, CATEGORY_PRECISION, format_=item.format, excluded_anchor=without
+    )
     return scale.meters_per_unit, scale.review
 
 

@@ -59,7 +59,7 @@ def cases(assets: Path, only: str, turns: int) -> Iterator[Case]:
     with TABLE.open(encoding="utf-8") as file:
         for row in csv.DictReader(file):
             draws = [("cube", Rotation.create_group("O").as_matrix()[i]) for i in rng.integers(24, size=turns)]
-            draws += [("any", R) for R in Rotation.random(turns, random_state=rng).as_matrix()]
+            draws += [("any", R) for R in Rotation.random(turns, rng=rng).as_matrix()]
             root = roots(assets)[row["root"]]
             made = canonical_of(root / row["path"], root) if only in row["path"] else None
             if made is not None:

@@ -16,6 +16,7 @@ import time
 from collections import Counter
 from pathlib import Path
 from statistics import median
+from typing import Any, cast
 
 import numpy as np
 from numpy.random import Generator
@@ -87,9 +88,12 @@ def coverage(plan: np.ndarray, reference: np.ndarray) -> tuple[float, float, flo
 
 
 def invalid(problem, poses: np.ndarray) -> int:
-    things = range(poses.shape[1])
     return sum(
-        bool(violations(problem, {f"box{i}": Placement(*map(float, pose[i]), 0) for i in things}))
+        bool(
+            violations(
+                problem, {f"box{i}": Placement(float(x), float(y), float(yaw), 0) for i, (x, y, yaw) in enumerate(pose)}
+            )
+        )
         for pose in poses[:: max(1, len(poses) // CHECKED)]
     )
 
@@ -109,11 +113,17 @@ def distances(poses: np.ndarray) -> np.ndarray:
     return np.hypot(*np.moveaxis(poses[:, i, :2] - poses[:, j, :2], -1, 0)).ravel()
 
 
+def distribution_distance(one: np.ndarray, two: np.ndarray) -> float:
+    """The statistic of Kolmogorov and Smirnov: the largest difference of two cumulative distributions."""
+    return cast(Any, ks_2samp(one, two)).statistic  # scipy declares the result as a bare tuple
+
+
 def bias(name: str, poses: np.ndarray, reference: np.ndarray) -> None:
     ks = [
-        [ks_2samp(poses[:, i, axis], reference[:, i, axis]).statistic for axis in (0, 1)] for i in range(poses.shape[1])
+        [distribution_distance(poses[:, i, axis], reference[:, i, axis]) for axis in (0, 1)]
+        for i in range(poses.shape[1])
     ]
-    apart = ks_2samp(distances(poses[:4000]), distances(reference[:4000])).statistic
+    apart = distribution_distance(distances(poses[:4000]), distances(reference[:4000]))
     print(
         f"    {name:22} KS of x {np.mean(ks, axis=0)[0]:.3f} (worst {np.max(ks, axis=0)[0]:.3f}), "
         f"of y {np.mean(ks, axis=0)[1]:.3f} ({np.max(ks, axis=0)[1]:.3f}), of pair distances {apart:.3f}, "
@@ -152,7 +162,7 @@ def main() -> None:
             poses = drawn(plan, n, given.samples)
             bad = invalid(problem, poses)
             wrong += bad
-            words = "(rejection not tried)"
+            words, reference = "(rejection not tried)", None
             if n <= REFERENCE:
                 reference = rejected(
                     n, seed, rng, given.samples if n <= JOINT else given.samples // 10, 1 if n <= JOINT else TRIES
@@ -164,7 +174,7 @@ def main() -> None:
                 f"{words:>30}  {bad}/{CHECKED}  {families}",
                 flush=True,
             )
-            if n <= JOINT:
+            if reference is not None and n <= JOINT:
                 again = rejected(n, seed, rng, given.samples, 1)
                 more = drawn(plan, n, MORE * given.samples)
                 for words, other in (("rejection, drawn again", again), (f"plan, {MORE} times as many", more)):

@@ -26,7 +26,7 @@ def filled(
             if not len(waiting):
                 break
             pose, half = _drawn(sizes[i], rng, len(waiting))
-            placed = poses[np.ix_(waiting, before)]
+            placed = poses[np.ix_(waiting, np.asarray(before, dtype=np.intp))]
             good = _apart(pose, sizes[i], placed, sizes[before])
             for a, b in pairs:
                 if i in (a, b) and (other := b if i == a else a) in before:
@@ -66,4 +66,4 @@ def _apart(pose: np.ndarray, size: np.ndarray, placed: np.ndarray, sizes: np.nda
         theirs = np.stack([np.cos(turn + axis * np.pi / 2), np.sin(turn + axis * np.pi / 2)], axis=-1)
         own = 0.5 * (c * size[axis] + s * size[1 - axis])
         free |= np.abs((step * theirs).sum(axis=-1)) - own - half[:, axis] >= CLEARANCE_M
-    return free.all(axis=1)
+    return np.asarray(free.all(axis=1))

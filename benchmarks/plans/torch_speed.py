@@ -46,7 +46,8 @@ def main() -> int:
     worst = difference(sample(plan, CHECKED, SEED), sampler.sample(CHECKED, SEED))
     print(f"{CHECKED} samples differ from numpy's by {worst:.1e} at most")
     for batch in map(int, given.batches.split(",")):
-        sampler.sample(batch, 0).lighting.sum().item()
+        last = sampler.sample(batch, 0)
+        last.lighting.sum().item()
         since = time.perf_counter()
         for k in range(20):
             last = sampler.sample(batch, 0, start=k * batch)

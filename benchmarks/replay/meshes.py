@@ -81,7 +81,7 @@ def _hull(vertices: FloatArray, count: int | None) -> FloatArray:
     return corners if count is None else corners[:: max(1, len(corners) // count)]
 
 
-def _outside(places: FloatArray, envelope: Envelope, capsules: FloatArray) -> float:
+def _outside(places: FloatArray, envelope: Envelope, capsules: BoolArray) -> float:
     a, radius = envelope.start_W[capsules], envelope.radius_m[capsules]
     along = envelope.end_W[capsules] - a
     squared = np.maximum((along**2).sum(axis=1), 1e-300)

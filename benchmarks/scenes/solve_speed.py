@@ -24,12 +24,13 @@ from benchmarks.scenes.baselines import circles, oriented_boxes, shelves
 from benchmarks.scenes.workload import box_body, program_text, sizes_and_pairs, workload
 from scenec.check.judge_scene import violations
 from scenec.compile import Compiled, compile_program
-from scenec.ir.problem import WORLD_PARENT, Domain, Infeasible, Placement, Problem, Solved, Surface, Thing
+from scenec.ir.problem import Infeasible, Placement, Problem, Solved, Thing
 from scenec.session import Session
 from scenec.solve import ComponentCache, solve
 from scenec.solve.model import model_of
 from scenec.solve.search import SearchBudget, search
 from schemas.scene.compiled import CompileReport
+from schemas.scene.geometry import BACKGROUND, Domain, ScenePlace
 
 BASELINES = {"circles (robosuite rule)": circles, "oriented boxes": oriented_boxes, "python shelf and swaps": shelves}
 
@@ -161,10 +162,12 @@ def _edited(what: str, k: int, sizes: np.ndarray, pairs: list[tuple[int, int]]) 
 def many_supports(n: int) -> Problem:
     """n boxes in fives, each five on a table of its own beside the others."""
     rng = np.random.default_rng([3, n])
-    tables = [Surface(f"table{k}", box(-0.3, -0.3, 0.3, 0.3), np.array([0.8 * k, 0.0, 0.0])) for k in range(-(-n // 5))]
+    tables = [
+        ScenePlace(f"table{k}", box(-0.3, -0.3, 0.3, 0.3), np.array([0.8 * k, 0.0, 0.0])) for k in range(-(-n // 5))
+    ]
     bodies = [box_body(f"box{i}", *rng.uniform(0.04, 0.14, 2)) for i in range(n)]
     things = tuple(
-        Thing(f"box{i}", body, WORLD_PARENT, tables[i // 5], Domain(), ("layout", "nodes", f"box{i}"))
+        Thing(f"box{i}", body, BACKGROUND, tables[i // 5], Domain(), ("layout", "nodes", f"box{i}"))
         for i, body in enumerate(bodies)
     )
     return replace(workload(1, 0), things=things, relations=())

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from shapely import box
 
-from scenec.ir.problem import WORLD_PARENT, Body, Domain, Problem, RelationIR, Slab, Stance, Surface, Thing
+from scenec.ir.problem import Body, Problem, Thing
+from schemas.scene.geometry import BACKGROUND, Domain, Prism, ScenePlace, SceneRelation, Stance
 
 TABLE_M = (1.2, 0.8)
 CLEARANCE_M = 0.01
@@ -16,14 +17,14 @@ def box_body(name: str, width_m: float, depth_m: float, height_m: float = 0.05, 
     """A solid box standing upright, its frame at the middle of its bottom; with its top face as a surface on demand."""
     w, d = width_m / 2, depth_m / 2
     outline = np.array([(-w, -d), (w, -d), (w, d), (-w, d)])
-    stance = Stance((1.0, 0.0, 0.0, 0.0), (Slab(outline, 0.0, height_m),), 0.0)
-    surface = Surface("top", box(-w, -d, w, d), np.array([0.0, 0.0, height_m]))
+    stance = Stance((1.0, 0.0, 0.0, 0.0), (Prism(outline, 0.0, height_m),), 0.0)
+    surface = ScenePlace("top", box(-w, -d, w, d), np.array([0.0, 0.0, height_m]))
     return Body(name, (stance,), (surface,) if top else ())
 
 
-def table(width_m: float = TABLE_M[0], depth_m: float = TABLE_M[1]) -> Surface:
+def table(width_m: float = TABLE_M[0], depth_m: float = TABLE_M[1]) -> ScenePlace:
     """The top of a table at the background's origin."""
-    return Surface("top", box(-width_m / 2, -depth_m / 2, width_m / 2, depth_m / 2), np.zeros(3))
+    return ScenePlace("top", box(-width_m / 2, -depth_m / 2, width_m / 2, depth_m / 2), np.zeros(3))
 
 
 def sizes_and_pairs(n: int, seed: int) -> tuple[np.ndarray, list[tuple[int, int]]]:
@@ -59,13 +60,11 @@ def workload(n: int, seed: int, *, cycle: bool = False) -> Problem:
         pairs = [(0, 1), (1, 2), (2, 0)]
     surface = table()
     things = tuple(
-        Thing(
-            f"box{i}", box_body(f"box{i}", *sizes[i]), WORLD_PARENT, surface, Domain(), ("layout", "nodes", f"box{i}")
-        )
+        Thing(f"box{i}", box_body(f"box{i}", *sizes[i]), BACKGROUND, surface, Domain(), ("layout", "nodes", f"box{i}"))
         for i in range(n)
     )
     relations = tuple(
-        RelationIR("before", (f"box{a}", f"box{b}"), path=("relations", k), word="left_of")
+        SceneRelation("before", (f"box{a}", f"box{b}"), path=("relations", k), word="left_of")
         for k, (a, b) in enumerate(pairs)
     )
     return Problem("workload", None, np.eye(4), things, relations, CLEARANCE_M)

@@ -1,14 +1,14 @@
 """Write every generated page of the documentation: `python -m cli.docs` (or `make docs`).
 
-The pages come from tables in the code: diagnostic codes, rules of the gate, effects, source formats. `generated_pages`
-is the whole list; a test compares it with the files in `docs/`.
+The pages come from tables in the code: diagnostic codes, rules of the gate, effects, source formats, relations.
+`generated_pages` is the whole list; a test compares it with the files in `docs/`.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from cli.docs import diagnostics, effects, formats, gate
+from cli.docs import diagnostics, effects, formats, gate, relations
 
 DOCS = Path("docs")
 DIAGNOSTICS = Path("diagnostics")
@@ -22,6 +22,7 @@ def generated_pages() -> dict[Path, str]:
         Path("reference/gate.md"): gate.page(),
         Path("reference/effects.md"): effects.page(),
         Path("reference/file-formats.md"): formats.page(),
+        Path("reference/relations.md"): relations.page(),
     }
 
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from schemas.gap import EFFECT_NAMES
 from sim.dynamics.hooks import (
     BodyWrench,
     CommandMap,
-    Effect,
     EffortMap,
     Hook,
     JointFriction,
@@ -16,7 +14,8 @@ from sim.dynamics.hooks import (
     ModelChange,
     SensorMap,
 )
-from sim.effects.library import EFFECTS
+from sim.effects.effect import Effect
+from sim.effects.library import EFFECTS, RESERVED_NAMES
 
 _ACTS: tuple[tuple[type[Hook], str], ...] = (
     (ModelChange, "changes a number of the model before the first step"),
@@ -33,7 +32,8 @@ _INTRODUCTION = """# Effects
 What `mana gap find` can name: {count} effects. Each has a formula from the literature, parameters in SI units with
 bounds (narrowed to what a recording can hold before a search), and a hook that puts it into a simulation step.
 `mana gap effects NAME` shows the same in a terminal. An effect that looks like another one names the experiment that
-tells them apart.
+tells them apart. Where the subject of a recording declares a number (friction, mass, gains), a model without the
+effect has that number, not the one in the last column.
 
 | effect | formula | parameters |
 |---|---|---|
@@ -60,14 +60,9 @@ def as_data(effect: Effect) -> dict[str, Any]:
             for p in effect.parameters
         ],
         "confusable_with": [{"effect": c.effect, "experiment": c.experiment} for c in effect.confusables],
-        "usd": effect.usd,
-        "urdf": effect.urdf,
+        "usd": effect.export.usd,
+        "urdf": effect.export.urdf,
     }
-
-
-def missing() -> tuple[str, ...]:
-    """Names of the contract that the library does not have yet."""
-    return tuple(sorted(set(EFFECT_NAMES) - {e.name for e in EFFECTS}))
 
 
 def page() -> str:
@@ -77,8 +72,8 @@ def page() -> str:
         f"{', '.join(f'`{p.name}`' for p in e.parameters)} |\n"
         for e in EFFECTS
     )
-    absent = missing()
-    tail = f"\nReserved names without an effect yet: {', '.join(f'`{n}`' for n in absent)}.\n" if absent else ""
+    reserved = ", ".join(f"`{n}`" for n in sorted(RESERVED_NAMES))
+    tail = f"\nReserved names without an effect yet: {reserved}.\n" if reserved else ""
     return _INTRODUCTION.format(count=len(EFFECTS)) + rows + tail + "".join(_section(e) for e in EFFECTS)
 
 
@@ -87,7 +82,7 @@ def _section(effect: Effect) -> str:
         f"| `{p.name}` | {_cell(p.unit)} | {p.low:g} to {p.high:g} | {p.null:g} |\n" for p in effect.parameters
     )
     alike = "".join(f"- Looks like `{c.effect}`; to tell: {c.experiment}.\n" for c in effect.confusables)
-    files = [f"USD `{effect.usd}`" if effect.usd else "", f"URDF `{effect.urdf}`" if effect.urdf else ""]
+    files = [f"{kind} `{at}`" if at else "" for kind, at in (("USD", effect.export.usd), ("URDF", effect.export.urdf))]
     carried = ", ".join(f for f in files if f) or "no attribute; `extension.json` carries it"
     return (
         f"\n## {effect.name}\n\n`{effect.formula}` ({effect.source})\n\n"

@@ -17,7 +17,7 @@ from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.gap import GapReport
 
 if TYPE_CHECKING:
-    from sim.dynamics.hooks import Effect
+    from sim.effects.effect import Effect
     from simgap.recording.read import Measurement
 
 app = typer.Typer(help="Compare a model with recordings and name what it is missing.", no_args_is_help=True)

@@ -16,10 +16,8 @@ from schemas.diagnostics import InvalidInput, finding
 from sim.dynamics.mechanism import rollout
 from simgap.case import Case, case_of, cut_windows, replay_engine
 from simgap.extension.extension import read_extension, terms_of
-from simgap.kinds.event_problem import EventProblem
 from simgap.kinds.mechanism.apply_model import apply_terms
-from simgap.kinds.mechanism.problem import MechanismProblem
-from simgap.problem import Model, View
+from simgap.problem import EventProblem, Model, View
 from simgap.recording.read import Measurement
 from simgap.report.pictures.events import outcomes
 from simgap.report.pictures.overlay import overlay
@@ -39,8 +37,9 @@ def simulate(measurement: Measurement, extension: Path | None, out: Path) -> dic
     if extension is not None:
         models["extended"] = terms_of(read_extension(extension))
         _refuse_strange_places(case, models["extended"])
-    if isinstance(case.problem, EventProblem):
-        return _events(case, case.problem, models, out)
+    events = case.problem.as_events()
+    if events is not None:
+        return _events(case, events, models, out)
     runs = {name: [side_by_side(case.problem, t, model) for t in measurement.trials] for name, model in models.items()}
     for k, trial in enumerate(measurement.trials):
         write_atomically(out / "trajectories" / f"{_file(trial.id)}.csv", _csv([(n, r[k]) for n, r in runs.items()]))
@@ -48,8 +47,7 @@ def simulate(measurement: Measurement, extension: Path | None, out: Path) -> dic
     floor = case.problem.noise_floor(ids, "full_rollout")
     at, channel = largest_improvement(runs["declared"], runs.get("extended", runs["declared"]), floor)
     extended = runs["extended"][at] if "extended" in runs else None
-    slides = not isinstance(case.problem, MechanismProblem) or case.problem.declared.tree[channel].prismatic
-    picture = overlay(runs["declared"][at], extended, channel, "m" if slides else "rad")
+    picture = overlay(runs["declared"][at], extended, channel, case.problem.channel_units()[channel])
     write_atomically(out / "pictures" / "overlay.png", picture)
     summary = {"schema_version": 1, "errors": _errors(case, models), "notes": _engine_notes(case, models)}
     write_atomically(out / "errors.json", json.dumps(summary, indent=1).encode())
@@ -98,12 +96,13 @@ def _errors(case: Case, models: dict[str, Model]) -> list[dict[str, Any]]:
 
 def _engine_notes(case: Case, models: dict[str, Model]) -> list[str]:
     """For mechanisms: how far PyBullet is from the roll-outs here, with the same numbers and inputs."""
-    if not isinstance(case.problem, MechanismProblem):
+    mechanism = case.problem.declared_mechanism()
+    if mechanism is None:
         return []
     engine = replay_engine(REPLAY_ENGINE)
     notes = []
     for name, model in models.items():
-        applied = apply_terms(case.problem.declared, model)
+        applied = apply_terms(mechanism, model)
         windows = cut_windows(joint_windows(case.measurement.trials[0], applied), _ENGINE_S)
         try:
             theirs, _ = engine.mechanism_rollout(applied.mechanism, windows, applied.laws)

@@ -13,7 +13,7 @@ from runtime_plan.materials import is_paired, with_material
 from runtime_plan.samples_file import sampled_lighting
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.scene.compiled import CompiledScene, Point3, Quat_wxyz
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import BACKGROUND
 from usdio.write.sample import SampleEdit, write_sample
 
 PACKAGES = "packages"

@@ -79,7 +79,7 @@ def envelope_command(
         write_atomically(out / MESH, mesh)  # pyright: ignore[reportArgumentType]
     write_atomically(out / PICTURE, picture(prepared))
     columns = {term: getattr(envelope, term) for term in (*_TERMS, "body", "start_W", "end_W", "t_from_s", "t_to_s")}
-    np.savez_compressed(out / CAPSULES, bodies=np.array(envelope.bodies), **columns)  # pyright: ignore[reportArgumentType]
+    np.savez_compressed(out / CAPSULES, bodies=np.array(envelope.bodies), **columns, allow_pickle=True)
     write_atomically(out / LEDGER, (json.dumps(report, indent=1) + "\n").encode())
     if as_json:
         print(json.dumps(report, indent=1))

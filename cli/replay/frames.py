@@ -21,7 +21,7 @@ from replay.recording.episode import Camera, Episode
 from replay.recording.recorded_numbers import invalid_recording
 from replay.variant_stage import timed_bodies, write_stage
 from replay.verification.check_output import read_variant, read_variant_episode
-from schemas import array_files
+from schemas.files import array_files
 from schemas.replay import Variant
 from schemas.scene.samples import SampledLighting
 from usdio.read.asset import read_stage

@@ -1,8 +1,5 @@
 """Semantic labels of an asset, and the size range (m) of each known category."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import csv

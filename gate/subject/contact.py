@@ -1,8 +1,5 @@
 """Contact materials bound to collider prims, as OpenUSD resolves the bindings."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from typing import Any

@@ -1,8 +1,5 @@
 """Collision filtering between two bodies: joints, filtered pairs, self-collision of articulations."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from typing import Any

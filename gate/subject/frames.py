@@ -1,8 +1,5 @@
 """World transforms of prims at the default time, in metres: full matrices and nearest rigid poses."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass

@@ -1,8 +1,5 @@
 """Mass centre (m) and inertia (kg m2) of a body as authored, and whether its surfaces share one material."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import numpy as np

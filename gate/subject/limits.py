@@ -1,8 +1,5 @@
 """Per-axis limits of a joint (PhysicsLimitAPI), and the instances of multiple-apply schemas."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from typing import Any

@@ -1,8 +1,5 @@
 """Reads joint prims (UsdPhysics) into `Joint`, lengths in metres, angles in degrees."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Callable

@@ -1,8 +1,5 @@
 """Converts meshes and implicit shapes of a stage into points and triangles in the world, metres."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from functools import partial

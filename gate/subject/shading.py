@@ -1,8 +1,5 @@
 """Shader networks: shader ids, constant input values, the shader connected to an input."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from typing import Any

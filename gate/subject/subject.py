@@ -1,8 +1,5 @@
 """One reading of a composed stage for all rules, in metres and kilograms; each value is read once, on first use."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import json

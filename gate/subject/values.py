@@ -1,8 +1,5 @@
 """Typed attribute values of untrusted files: a wrong type reads as NaN, an absent value as the fallback."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from typing import Any

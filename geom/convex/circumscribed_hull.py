@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, cast
+
 import numpy as np
 import trimesh
 
@@ -39,5 +41,5 @@ def circumscribed_hull(shape: CollisionShape) -> FloatArray:
 
 def _around_ball() -> FloatArray:
     """(162, 3) corners of a polyhedron circumscribed about the unit ball."""
-    ball = trimesh.creation.icosphere(subdivisions=2)
+    ball: trimesh.Trimesh = cast(Any, trimesh.creation).icosphere(subdivisions=2)  # its keywords have no types
     return ball.vertices / np.abs(np.einsum("ij,ij->i", ball.face_normals, ball.triangles[:, 0])).min()

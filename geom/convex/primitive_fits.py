@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import lru_cache
+from typing import Any, cast
 
 import numpy as np
 import trimesh
@@ -48,7 +49,7 @@ def _fitted_box(coordinates: bytes) -> CollisionShape | None:
     across = np.linalg.svd((points - centre) / max(scale, 1e-300), compute_uv=False)
     if not across[-1] > FLAT_ROUNDING_SHARE * across[0]:  # The thickness of a rotated plane is rounding.
         return None
-    to_box, oriented = trimesh.bounds.oriented_bounds((points - centre) / scale, ordered=False)
+    to_box, oriented = cast(Any, trimesh.bounds).oriented_bounds((points - centre) / scale, ordered=False)
     if np.prod(size / scale) <= ALIGNED_PREFERENCE * np.prod(oriented):
         return CollisionShape("box", _floats(size), pose(None, centre))
     X_AB = np.asarray(np.linalg.inv(to_box), dtype=np.float64)
@@ -122,7 +123,7 @@ def _fit_ball(points: FloatArray) -> tuple[FloatArray, float]:
     x = points - middle
     scale = float(np.abs(x).max())
     system = np.column_stack([2.0 * x / scale, np.ones(len(x))])
-    solution = np.linalg.lstsq(system, (x * x).sum(axis=1) / scale**2, rcond=None)[0]
+    solution = cast(FloatArray, np.linalg.lstsq(system, (x * x).sum(axis=1) / scale**2, rcond=None)[0])
     square = solution[-1] + solution[:-1] @ solution[:-1]
     return middle + scale * solution[:-1], scale * float(np.sqrt(max(square, 0.0)))
 
@@ -131,7 +132,7 @@ def _resampled(ring: FloatArray) -> FloatArray:
     """`OUTLINE_SAMPLES` points (k, 2) at equal steps along the closed polygon `ring` (n, 2)."""
     closed = np.concatenate([ring, ring[:1]])
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
-    steps = np.linspace(0.0, along[-1], OUTLINE_SAMPLES, endpoint=False)
+    steps = np.linspace(0.0, float(along[-1]), OUTLINE_SAMPLES, endpoint=False)
     return np.stack([np.interp(steps, along, closed[:, k]) for k in range(2)], axis=1)
 
 

@@ -165,7 +165,7 @@ def _holds(shape: CollisionShape, queries: FloatArray) -> BoolArray:
 
 
 def _union(shapes: Sequence[CollisionShape], growth_m: float) -> Manifold:
-    solids = []
+    solids: list[Manifold] = []
     for shape in shapes:
         points = surface(shape)[0]
         if growth_m > 0.0:

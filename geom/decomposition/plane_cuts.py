@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 from manifold3d import Manifold
@@ -83,7 +84,9 @@ class CutGoal:
 def cut_apart(seeds: Sequence[Manifold], goal: CutGoal) -> list[Piece]:
     """Nearly convex pieces that fill the bodies `seeds` (unit size), crumbs (`CRUMB_SHARE`) excepted. Deterministic."""
     total = sum(seed.volume() for seed in seeds)
-    open_, done = _pieces(seeds, CRUMB_SHARE * total), list[Piece]()
+    worst: Piece
+    open_: list[Piece] = _pieces(seeds, CRUMB_SHARE * total)
+    done: list[Piece] = []
     violations: dict[Piece, float] = {}
     while open_ and len(open_) + len(done) < goal.most:
         if sum(p.excess for p in [*open_, *done]) > goal.slack * total:
@@ -171,13 +174,14 @@ def excess_after(piece: Piece, normal: FloatArray, offset: float) -> FloatArray:
     graph = csr_array((np.ones(int(rows[-1])), end.compress(stays), rows), shape=(len(points), len(points)))
     count, part = connected_components(graph, directed=True, connection="strong")  # The graph is symmetric.
     a, b = edges.compress(is_cut, axis=0).T
-    at_a, height_a = local.take(a, axis=0), height.take(a)
-    crossing = at_a + (height_a / (height_a - height.take(b)))[:, None] * (local.take(b, axis=0) - at_a)
+    at_a, at_b = _rows(local, a), _rows(local, b)
+    height_a = _rows(height, a)
+    crossing: FloatArray = at_a + (height_a / (height_a - _rows(height, b)))[:, None] * (at_b - at_a)
     volumes = _volumes(local, height, triangles, above, part, count)
     corners = np.concatenate([local, crossing, crossing])
-    owner = np.concatenate([part, part.take(a), part.take(b)])
+    owner: IntArray = np.concatenate([part, part[a], part[b]])
     order = np.argsort(owner, kind="stable")
-    corners = corners.take(order, axis=0)
+    corners: FloatArray = corners.take(order, axis=0)
     ends = np.cumsum(np.bincount(owner, minlength=count)).tolist()
     groups = [corners[first:end] for first, end in zip([0, *ends], ends, strict=False)]
     if (volumes < -ON_PLANE).any():
@@ -186,6 +190,11 @@ def excess_after(piece: Piece, normal: FloatArray, offset: float) -> FloatArray:
         groups, volumes = _with_inner_surfaces(groups, volumes, side)
     hulls = np.array([Manifold.hull_points(g).volume() if len(g) > 3 else 0.0 for g in groups])
     return np.maximum(hulls - np.maximum(volumes, 0.0), 0.0)
+
+
+def _rows(values: FloatArray, which: IntArray) -> FloatArray:
+    """Rows of an array by number."""
+    return values.take(which, axis=0)
 
 
 def _volumes(
@@ -197,17 +206,19 @@ def _volumes(
     is_shared = (first != second) | (second != third)
     a, b, c = triangles.compress(~is_shared, axis=0).T
     total = np.zeros(count)
-    total += np.bincount(part.take(a), _cone(*(local.take(corner, axis=0) for corner in (a, b, c))), count)
+    at_a, at_b, at_c = _rows(local, a), _rows(local, b), _rows(local, c)
+    total += np.bincount(part[a], _cone(at_a, at_b, at_c), count)
     shared, over = triangles.compress(is_shared, axis=0), over.compress(is_shared, axis=0)
     # The corner that is alone on its side: the one unlike both others.
-    alone = np.where(over.sum(axis=1) == 1, over.argmax(axis=1), (~over).argmax(axis=1))
+    one_above: BoolArray = over.sum(axis=1) == 1
+    alone = cast(IntArray, np.where(one_above, over.argmax(axis=1), (~over).argmax(axis=1)))
     row = np.arange(len(shared))
     a, b, c = (shared[row, (alone + k) % 3] for k in range(3))
     at_a, at_b, at_c = (local.take(corner, axis=0) for corner in (a, b, c))
     height_a = height.take(a)
     to_b = at_a + (height_a / (height_a - height.take(b)))[:, None] * (at_b - at_a)
     to_c = at_a + (height_a / (height_a - height.take(c)))[:, None] * (at_c - at_a)
-    total += np.bincount(part.take(a), _cone(at_a, to_b, to_c), count)
+    total += np.bincount(part[a], _cone(at_a, to_b, to_c), count)
     total += np.bincount(part.take(b), _cone(to_b, at_b, at_c) + _cone(to_b, at_c, to_c), count)
     return total
 

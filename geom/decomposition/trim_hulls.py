@@ -14,7 +14,7 @@ from manifold3d import Manifold
 
 from geom.mesh.manifold_arrays import manifold_arrays
 from geom.mesh.surface_distance import SignedDistance, triangle_areas
-from schemas.arrays import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 
 SIDES, BISECTIONS = 8, 7
 # Faces within this cosine of each other are one side.
@@ -48,7 +48,7 @@ def _trimmed(hull: Manifold, inside: Manifold, distance: SignedDistance, depth: 
     if hull.volume() * (1.0 - LEAST_CAP) <= least:
         return hull
     wall = 2.0 * inside.volume() / max(inside.surface_area(), np.finfo(float).tiny)
-    cuts = []
+    cuts: list[tuple[float, float, FloatArray, float]] = []
     for normal, is_empty in outer_sides(hull, distance, FAR * depth):
         most = min(depth, EMPTY_DEPTH * wall) if is_empty else depth
         depth_reached = _depth_for(hull, normal, least, most)
@@ -124,7 +124,8 @@ def outer_sides(hull: Manifold, distance: SignedDistance, far: float) -> list[tu
     areas = triangle_areas(points[triangles])
     normals = np.cross(b - a, c - a) / np.maximum(2.0 * areas, np.finfo(float).tiny)[:, None]
     beyond = distance((a + b + c) / 3.0)
-    left, sides = areas > 0.0, []
+    left: BoolArray = areas > 0.0
+    sides: list[tuple[FloatArray, bool]] = []
     while left.any() and len(sides) < SIDES:
         side = normals @ normals[np.where(left, areas, 0.0).argmax()] > SAME_SIDE
         left &= ~side

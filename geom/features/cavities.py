@@ -280,4 +280,4 @@ def _ball_centres(opening: FloatArray, direction: FloatArray, radius: float, bot
 def _label(mask: BoolArray) -> tuple[IntArray, int]:
     """Number (rows, columns) of each cell's patch of True cells, from 1, and how many there are."""
     labels = np.zeros(mask.shape, dtype=np.int32)
-    return labels, int(ndimage.label(mask, output=labels))  # pyright: ignore[reportArgumentType]  # an int with `output`
+    return labels, ndimage.label(mask, output=labels)

@@ -117,7 +117,8 @@ def _free(cuts: CrossSections, height_m: float) -> tuple[list[shapely.Polygon], 
     """The free regions of a horizontal section: those enclosed by material all around, and the others."""
     points = cuts.solid.points
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
-    sheet = shapely.box(*(low - 0.1 * (high - low)), *(high + 0.1 * (high - low)))
+    (west, south), (east, north) = low - 0.1 * (high - low), high + 0.1 * (high - low)
+    sheet = shapely.box(float(west), float(south), float(east), float(north))
     free = shapely.get_parts(sheet.difference(cuts.section_at(height_m)))
     closed, opened = list[shapely.Polygon](), list[shapely.Polygon]()
     for part in free:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.mesh.surface_distance import sample_surface
-from schemas.arrays import FloatArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.physics import Solid
 
 END_SAMPLES, END_SLICES = 6000, 40
@@ -49,7 +49,7 @@ def find_elongated_end(solid: Solid) -> ElongatedEnd | None:
         middles[k] = 0.5 * (low + high)
     body = float(widths.max())
     thin = (widths <= min(THICKEST_M, HANDLE_WIDTH_SHARE * body)) & (widths >= THINNEST_M)
-    ends = []
+    ends: list[tuple[float, IntArray]] = []
     for order in (np.arange(END_SLICES), np.arange(END_SLICES)[::-1]):
         # The outermost slice may be rounded off.
         run = int((~thin[order[1:]]).argmax()) + 1 if not thin[order[1:]].all() else END_SLICES

@@ -38,7 +38,7 @@ def heightfield(rays: Rays, points: FloatArray, walls: FloatArray, frame: FloatA
     step = float((high - low)[:2].max()) / GRID_CELLS or 1.0
     cells = np.maximum(np.ceil((high - low)[:2] / step).astype(int), 1) + 2
     corner = 0.5 * (low + high)[:2] - 0.5 * (cells - 1) * step
-    x, y = corner[0] + step * np.arange(cells[0]), corner[1] + step * np.arange(cells[1])
+    x, y = (float(corner[i]) + step * np.arange(int(cells[i]), dtype=np.float64) for i in range(2))
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     above = float(high[2]) + max(float((high - low).max()), step)
     starts = np.column_stack([grid, np.full(len(grid), above)]) @ frame

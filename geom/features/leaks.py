@@ -74,7 +74,7 @@ def _free(clearance: ClearanceGrid, radius_m: float) -> BoolArray:
 def _gets_out(clearance: ClearanceGrid, inside_m: FloatArray, radius_m: float) -> bool:
     """Whether the free nodes of such a ball lead from `inside_m` to the grid's border."""
     free = _free(clearance, radius_m)
-    labels = np.asarray(ndimage.label(free.reshape(clearance.shape))[0]).reshape(-1)  # pyright: ignore[reportIndexIssue]
+    labels = np.asarray(ndimage.label(free.reshape(clearance.shape))[0]).reshape(-1)
     away = np.where(free & ~clearance.border, np.linalg.norm(clearance.nodes - inside_m, axis=1), np.inf)
     start = int(away.argmin())
     return bool(away[start] <= 2.0 * clearance.cell and (labels[clearance.border] == labels[start]).any())

@@ -31,10 +31,10 @@ def mirror_plane_heading(
         return float(np.linalg.norm(nearest(image)[0] - image, axis=1).mean())
 
     steps = round(within_rad / _STEP_RAD)
-    headings = near_rad + _STEP_RAD * np.arange(-steps, steps + 1)
+    headings = [near_rad + _STEP_RAD * k for k in range(-steps, steps + 1)]
     best = int(np.argmin([off(h) for h in headings]))
     if best in (0, len(headings) - 1):
         return None
-    bracket = (float(headings[best - 1]), float(headings[best + 1]))
+    bracket = (headings[best - 1], headings[best + 1])
     minimum = minimize_scalar(off, bounds=bracket, method="bounded", options={"xatol": _XATOL_RAD})
     return float(minimum.x), float(minimum.fun)

@@ -58,7 +58,7 @@ def find_necked_cavities(
     `walls` (k, 3) are points spread over the surface, to which `nearest` and `grid` belong. Deterministic.
     """
     nodes, cell, clearance = grid.nodes, grid.cell, grid.distance.reshape(grid.shape)
-    cavities = []
+    cavities: list[NeckedCavity] = []
     for inside, outer in _closed_off(clearance, cell, least_volume):
         swept = np.asarray(ndimage.distance_transform_edt(~inside)) * cell <= outer * RADIUS_STEP
         volume = float(swept.sum()) * cell**3
@@ -83,7 +83,7 @@ def _closed_off(clearance: FloatArray, cell: float, least_volume: float) -> Iter
     limit = float(clearance[np.isfinite(clearance)].max())
     while radius <= limit:
         labels = np.zeros(clearance.shape, dtype=np.int32)
-        count = int(ndimage.label(clearance >= radius, output=labels))  # pyright: ignore[reportArgumentType]
+        count = ndimage.label(clearance >= radius, output=labels)
         outside = labels == labels[0, 0, 0]
         if before is not None and count > 1:
             for label, box in enumerate(ndimage.find_objects(labels), start=1):
@@ -108,7 +108,8 @@ def _way_out(grid: ClearanceGrid, radius: float, start: int) -> IntArray:
     graph = coo_array((edge_cost, (a, b)), shape=(clearance.size, clearance.size)).tocsr()
     length, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)[:2]
     border = np.flatnonzero(grid.border)
-    node, way = int(border[np.argmin(length[border])]), []
+    node = int(border[np.argmin(length[border])])
+    way: list[int] = []
     while node >= 0:
         way.append(node)
         node = int(before[node])

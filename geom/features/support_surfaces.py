@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import shapely
@@ -19,6 +20,7 @@ from shapely.geometry.base import BaseGeometry
 from geom.mesh.cross_sections import CrossSections
 from geom.mesh.rays import Rays
 from geom.planar import DETAIL_SHARE
+from geom.polygon_measures import areas
 from geom.pose import UP
 from schemas.arrays import BoolArray, FloatArray, IntArray, ObjectArray
 from schemas.physics import Solid
@@ -79,7 +81,7 @@ def find_supports(solid: Solid) -> tuple[SupportFace, ...]:
     if scale is None:
         return ()
     rays, cuts = Rays(points, triangles), CrossSections(solid)
-    supports = []
+    supports: list[SupportFace] = []
     for corners, polygon in _levels(points[triangles], scale, sheet=solid.kind != "closed"):
         plane = _plane_of(corners, polygon)
         if plane is None or plane.tilt_rad > TILT_RAD:
@@ -94,7 +96,7 @@ def find_supports(solid: Solid) -> tuple[SupportFace, ...]:
 
 def _scale_of(points: FloatArray) -> _Scale | None:
     """The thresholds for an object with these points (n, 3); None without a footprint."""
-    footprint = float(shapely.area(shapely.convex_hull(shapely.multipoints(points[:, :2]))))
+    footprint = shapely.MultiPoint(points[:, :2]).convex_hull.area
     breadth, diagonal = float(np.sqrt(footprint)), float(np.linalg.norm(np.ptp(points, axis=0)))
     if breadth <= 1e-6 * diagonal:
         return None
@@ -112,7 +114,7 @@ def _levels(corners: FloatArray, scale: _Scale, *, sheet: bool) -> Iterator[tupl
     while len(left):
         heights = left[:, :, 2].mean(axis=1)
         covered = np.concatenate([[0.0], np.cumsum(_plan_areas(left))])
-        ends = np.searchsorted(heights, heights + 2.0 * scale.step, side="right")
+        ends = cast(IntArray, np.searchsorted(heights, heights + 2.0 * scale.step, side="right"))
         held = covered[ends] - covered[:-1]
         start = int(held.argmax())
         if held[start] < 0.5 * scale.area:  # Gaps are closed later: half of the area may do.
@@ -158,7 +160,7 @@ def _side_by_side(faces: ObjectArray) -> BaseGeometry | None:
         merged = shapely.coverage_union_all(faces)
     except shapely.errors.GEOSException:
         return None
-    sound = merged.is_valid and abs(merged.area - float(shapely.area(faces).sum())) <= 1e-9 * merged.area
+    sound = merged.is_valid and abs(merged.area - float(areas(faces).sum())) <= 1e-9 * merged.area
     return merged if sound else None
 
 
@@ -207,19 +209,20 @@ def _plane_of(corners: FloatArray, polygon: shapely.Polygon) -> _Plane | None:
     `upper_m` is the height that nine tenths of the area stay below: an object rests there where the surface is uneven.
     """
     centres = corners.mean(axis=1)
-    areas = _plan_areas(corners) * shapely.contains_xy(polygon, centres[:, 0], centres[:, 1])
-    total = float(areas.sum())
+    covers_centre = cast(BoolArray, shapely.contains_xy(polygon, centres[:, 0], centres[:, 1]))
+    areas_m2 = _plan_areas(corners) * covers_centre
+    total = float(areas_m2.sum())
     if total <= 0.0:
         return None
     places = np.concatenate([corners.reshape(-1, 3), centres])
-    weights = np.concatenate([np.repeat(areas / 12.0, 3), 0.75 * areas]) / total
+    weights = np.concatenate([np.repeat(areas_m2 / 12.0, 3), 0.75 * areas_m2]) / total
     middle = weights @ places
     local = places - middle
     weighted = local[:, :2] * weights[:, None]
     slopes = np.linalg.lstsq(weighted.T @ local[:, :2], weighted.T @ local[:, 2], rcond=None)[0]
     over = local[:, 2] - local[:, :2] @ slopes
     rough_m = _quantile(np.abs(over - _quantile(over, weights, 0.5)), weights, 0.5)
-    return _Plane(middle, np.asarray(slopes, dtype=np.float64), rough_m, _quantile(centres[:, 2], areas, 0.9))
+    return _Plane(middle, np.asarray(slopes, dtype=np.float64), rough_m, _quantile(centres[:, 2], areas_m2, 0.9))
 
 
 def _quantile(values: FloatArray, weights: FloatArray, share: float) -> float:
@@ -269,8 +272,9 @@ def _cells(polygon: shapely.Polygon, axes: FloatArray, edge: float) -> _Cells:
     count = np.maximum(np.ceil((high - low) / edge - 1e-9).astype(int), 1)
     index = np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 2)
     corners = low + (index[:, None] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])) * (high - low) / count
-    pieces = shapely.intersection(shapely.polygons(corners @ R_BA), polygon)
-    not_empty = shapely.area(pieces) > 1e-6 * edge**2
+    squares = cast(ObjectArray, shapely.polygons(corners @ R_BA))
+    pieces = shapely.intersection(squares, polygon)
+    not_empty = areas(pieces) > 1e-6 * edge**2
     return _Cells(pieces[not_empty], index[not_empty])
 
 

@@ -91,14 +91,14 @@ def _holes_along(points: FloatArray, rays: Rays, direction: FloatArray) -> list[
     step = float((high - low)[:2].max()) / SILHOUETTE_CELLS or 1.0
     cells = np.ceil((high - low)[:2] / step).astype(int) + 2
     corner = 0.5 * (low + high)[:2] - 0.5 * (cells - 1) * step
-    x, y = (corner[i] + step * np.arange(cells[i]) for i in range(2))
+    x, y = (float(corner[i]) + step * np.arange(int(cells[i]), dtype=np.float64) for i in range(2))
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     starts = np.column_stack([grid, np.full(len(grid), low[2] - step)]) @ R_VA
     front = rays.hit_distances(starts, direction).reshape(cells[0], cells[1])
     empty = np.isinf(front)
     labels, count = _label(empty)
     outside = set(np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])).tolist())
-    holes = []
+    holes: list[ThroughHole] = []
     for k in range(1, count + 1):
         hole = labels == k
         if k in outside or hole.sum() < LEAST_RADIUS_CELLS**2 * np.pi:
@@ -186,4 +186,4 @@ def _bar(hole: BoolArray, empty: BoolArray, middle: FloatArray, away: FloatArray
 
 def _label(mask: BoolArray) -> tuple[IntArray, int]:
     labels = np.zeros(mask.shape, dtype=np.int32)
-    return labels, int(ndimage.label(mask, output=labels))  # pyright: ignore[reportArgumentType]  # an int with `output`
+    return labels, ndimage.label(mask, output=labels)

@@ -26,13 +26,14 @@ def contraction_about(
     """
     away = centre_m - even_centre_m
     length = float(np.linalg.norm(away))
-    S = np.eye(3)
+    shrinkage = np.zeros((3, 3))
     if length > 0.0:
         u = away / length
         along = (points - centre_m) @ u
         rms_bound = np.sqrt(max(float(along.max()), 0.0) * max(float(-along.min()), 0.0))
         spread = np.sqrt(max(float(0.5 * np.trace(inertia_m2) - u @ inertia_m2 @ u), np.finfo(float).tiny))
-        S -= (1.0 - min(1.0, MAX_RMS_SHARE * rms_bound / spread)) * np.outer(u, u)
+        shrinkage = (1.0 - min(1.0, MAX_RMS_SHARE * rms_bound / spread)) * np.outer(u, u)
+    S = np.eye(3) - shrinkage
     rms, rms_bound = rms_distance_and_bound(contracted_inertia(inertia_m2, S), points - centre_m)
     return S * min(1.0, MAX_RMS_SHARE * rms_bound / rms) if rms > 0.0 and rms_bound > 0.0 else S
 

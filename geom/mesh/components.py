@@ -6,6 +6,7 @@ From welded points (n, 3) and triangles (m, 3); lengths in the unit of the point
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -86,6 +87,7 @@ def components_of(points: FloatArray, triangles: IntArray, edges: Edges | None =
     closed = per_component(edges.uses % 2 == 1) == 0
     crossed = (edges.uses == 2) & (edges.net != 0)
     unbalanced = (edges.uses % 2 == 0) & (edges.net != 0)
+    balanced, uncrossed = per_component(unbalanced) == 0, per_component(crossed) == 0
     return Components(
         label=label,
         faces=np.bincount(label, minlength=count),
@@ -94,7 +96,7 @@ def components_of(points: FloatArray, triangles: IntArray, edges: Edges | None =
         low=low,
         high=high,
         closed=closed,
-        consistent=np.where(closed, per_component(unbalanced) == 0, per_component(crossed) == 0),
+        consistent=cast(BoolArray, np.where(closed, balanced, uncrossed)),
         boundary=per_component(edges.uses == 1),
     )
 

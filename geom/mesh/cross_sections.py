@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any, cast
 
 import numpy as np
 import shapely
@@ -26,8 +27,8 @@ class CrossSections:
 
     def outline_at(self, height_m: float) -> BaseGeometry:
         """The lines (x, y) in which the plane z = `height_m` cuts the faces, joined where they meet; may be empty."""
-        segments = trimesh.intersections.mesh_plane(self._mesh, [0.0, 0.0, 1.0], [0.0, 0.0, height_m])
-        ends = np.asarray(segments, dtype=np.float64).reshape(-1, 2, 3)[:, :, :2]
+        cut: Any = cast(Any, trimesh.intersections).mesh_plane(self._mesh, [0.0, 0.0, 1.0], [0.0, 0.0, height_m])
+        ends = np.asarray(cut, dtype=np.float64).reshape(-1, 2, 3)[:, :, :2]
         return shapely.union_all(shapely.linestrings(ends), grid_size=self._grid)
 
     def section_at(self, height_m: float) -> BaseGeometry:

@@ -68,7 +68,7 @@ def corner_fans(triangles: IntArray, edges: Edges) -> tuple[int, IntArray]:
     """
     m, e = len(triangles), len(edges.uses)
     corner = np.arange(3 * m).reshape(m, 3)
-    ends = []
+    ends: list[tuple[IntArray, IntArray]] = []
     for half in range(3):
         edge, upward = edges.of_face[:, half], edges.upward[:, half]
         # Node 3m + 2 edge is the edge's smaller end, 3m + 2 edge + 1 the larger.

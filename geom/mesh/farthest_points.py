@@ -13,8 +13,13 @@ def farthest_points(features: FloatArray, first: int, most: int, least: float) -
     Source: Gonzalez 1985; among equal distances the earliest row is taken.
     """
     chosen = [first]
-    apart = np.round(np.linalg.norm(features - features[first], axis=1), 9)
+    apart = _rounded_distances(features, first)
     while len(chosen) < most and apart.max() >= least:
         chosen.append(int(apart.argmax()))
-        apart = np.minimum(apart, np.round(np.linalg.norm(features - features[chosen[-1]], axis=1), 9))
+        apart = np.minimum(apart, _rounded_distances(features, chosen[-1]))
     return chosen
+
+
+def _rounded_distances(features: FloatArray, row: int) -> FloatArray:
+    distances: FloatArray = np.linalg.norm(features - features[row], axis=1)
+    return distances.round(9)

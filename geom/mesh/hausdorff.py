@@ -95,11 +95,9 @@ def _distances(queries: FloatArray, corners: FloatArray) -> FloatArray:
     within = (np.einsum("kix,kx->ki", np.cross(sides, to_query), normals) >= 0.0).all(axis=1)
     along = np.einsum("kix,kix->ki", to_query, sides) / np.maximum(np.einsum("kix,kix->ki", sides, sides), _TINY)
     off_sides = to_query - np.clip(along, 0.0, 1.0)[..., None] * sides
-    return np.where(
-        within,
-        np.abs(np.einsum("kx,kx->k", to_query[:, 0], normals)),
-        np.linalg.norm(off_sides, axis=2).min(axis=1),
-    )
+    to_plane: FloatArray = np.abs(np.einsum("kx,kx->k", to_query[:, 0], normals))
+    to_sides: FloatArray = np.linalg.norm(off_sides, axis=2).min(axis=1)
+    return np.where(within, to_plane, to_sides)
 
 
 def _quartered(parts: FloatArray) -> FloatArray:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import manifold3d
 import numpy as np
 
+from schemas.arrays import IntArray
+
 
 def triangulate_polygons(points: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Triangles of polygons given as runs of corners.
@@ -21,7 +23,7 @@ def triangulate_polygons(points: np.ndarray, corners: np.ndarray, counts: np.nda
     owners: list[np.ndarray] = []
     for k in np.unique(counts):
         faces = np.flatnonzero(counts == k)
-        rings = starts[faces, None] + np.arange(k)
+        rings: IntArray = starts[faces, None] + np.arange(int(k))
         convex = np.ones(len(faces), dtype=bool) if k == 3 else _convex(points[corners[rings]])
         fan = np.stack([np.zeros(k - 2, np.int64), np.arange(1, k - 1), np.arange(2, k)], axis=1)
         triangles.append(rings[convex][:, fan].reshape(-1, 3))
@@ -79,11 +81,11 @@ def triangulate_with_holes(rings: list[np.ndarray]) -> np.ndarray:
     origin = rings[0].mean(axis=0)
     flat = [(r - origin) @ axes for r in rings]
     scale = max(float(np.abs(f).max()) for f in flat)
-    starts = np.cumsum([0, *(len(f) for f in flat)])
+    starts: list[int] = np.cumsum([0, *(len(f) for f in flat[:-1])]).tolist()
     # The triangulator needs the outline counter-clockwise and holes clockwise: reverse the others.
-    position = [
+    position: list[IntArray] = [
         np.arange(start, start + len(f)) if (_area(f) > 0) == (i == 0) else np.arange(start + len(f) - 1, start - 1, -1)
-        for i, (start, f) in enumerate(zip(starts[:-1], flat, strict=True))
+        for i, (start, f) in enumerate(zip(starts, flat, strict=True))
     ]
     order = np.concatenate(position)
     laid = np.concatenate(flat)

@@ -11,6 +11,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from schemas.arrays import FloatArray, IntArray
+
 SEGMENTS: Final = 48
 
 
@@ -51,7 +53,8 @@ def cylinder(height: float, radius_bottom: float, radius_top: float, segments: i
     z = height / 2.0
     slope = np.array([height, radius_bottom - radius_top], dtype=np.float64)
     side = slope / max(float(np.linalg.norm(slope)), np.finfo(float).tiny)
-    profile, normals = [(0.0, -z)], []
+    profile = [(0.0, -z)]
+    normals: list[FloatArray] = []
     if radius_bottom > 0:
         profile.append((radius_bottom, -z))
         normals.append(np.array([[0.0, -1.0], [0.0, -1.0]]))
@@ -95,7 +98,8 @@ def _revolve(profile: np.ndarray, normals: np.ndarray, segments: int) -> Tessell
     points = np.concatenate([poles, sides.reshape(-1, 3)])
 
     here, there = np.arange(segments), (np.arange(segments) + 1) % segments
-    triangles, corner_normals = [], []
+    triangles: list[IntArray] = []
+    corner_normals: list[FloatArray] = []
     last = len(profile) - 2
     for piece, ends in enumerate(normals):
         low = 2 + (piece - 1) * segments

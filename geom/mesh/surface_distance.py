@@ -5,12 +5,15 @@ Surfaces are points (n, 3) and triangles (m, 3); distances are in the unit of th
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.spatial  # noqa: F401  # Loaded before Open3D and CoACD, which otherwise clash when CoACD comes first.
 
 from schemas.arrays import BoolArray, FloatArray, IntArray
+
+# Loaded before Open3D and CoACD, which otherwise clash when CoACD comes first.
+importlib.import_module("scipy.spatial")
 
 P95 = 95.0
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -116,7 +117,8 @@ def _fitted_quadric(rim: FloatArray, normals: FloatArray) -> FloatArray:
     ]
     known = np.concatenate([middle[:, 2], slopes[:, 0], slopes[:, 1]])
     weight = np.sqrt(np.concatenate([length, length[sloped], length[sloped]]) / length.sum())
-    return np.linalg.lstsq(np.concatenate(rows) * weight[:, None], known * weight, rcond=None)[0]
+    system = np.concatenate(rows) * weight[:, None]
+    return cast(FloatArray, np.linalg.lstsq(system, known * weight, rcond=None)[0])
 
 
 def _terms(at: FloatArray) -> FloatArray:

@@ -37,7 +37,9 @@ def fill_openings(mesh: Mesh, openings: Sequence[Opening]) -> tuple[Mesh, Figure
     bound = FLAT_ENOUGH * diagonal(mesh.points)
     near = _touching(mesh.triangles, np.concatenate([[-1], *(o.points for o in openings)]))
     wide = _touching(mesh.triangles, near)
-    caps, uncertainties, bent = [], [], []
+    caps: list[IntArray] = []
+    uncertainties: list[ShapeUncertainty] = []
+    bent: list[bool] = []
     for opening, cap in zip(openings, flat, strict=True):
         around = _touching(near, opening.points)
         neighbours = _touching(wide, around)
@@ -69,7 +71,9 @@ def _touching(triangles: IntArray, points: IntArray) -> IntArray:
 
 def _attribute_mix(mesh: Mesh, points: FloatArray, openings: Sequence[Opening], caps: Sequence[IntArray]) -> csr_array:
     """(3 k, 3 m) weights of the old corners in each corner of the caps."""
-    data, columns, lengths = [], [], []
+    data: list[FloatArray] = []
+    columns: list[IntArray] = []
+    lengths: list[int] = []
     for opening, cap in zip(openings, caps, strict=True):
         at = mesh.triangles[opening.faces] == opening.points[:, None]  # Each rim point is a corner of the face there.
         corner = 3 * opening.faces + at.argmax(axis=1)

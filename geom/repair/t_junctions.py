@@ -45,7 +45,9 @@ def _split_once(mesh: Mesh) -> tuple[Mesh, int]:
         sides.setdefault(face, (side, points, at))
     if not sides:
         return mesh, 0
-    triangles, source, weights = [], [], []
+    triangles: list[list[int]] = []
+    source: list[int] = []
+    weights: list[FloatArray] = []
     for face, (side, points, at) in sides.items():
         corner = [side, (side + 1) % 3, (side + 2) % 3]
         a, b, c = (int(mesh.triangles[face, k]) for k in corner)
@@ -82,7 +84,7 @@ def _points_on_sides(
     tree = KDTree(points[rim])
     middle, half = 0.5 * (points[tail] + points[head]), 0.5 * np.linalg.norm(points[head] - points[tail], axis=1)
     near = tree.query_ball_point(middle, half)  # Finds the ends or not, by rounding.
-    split_sides = []
+    split_sides: list[tuple[int, int, IntArray, FloatArray]] = []
     for i in range(len(near)):
         candidates = rim[np.array(near[i], dtype=np.int64)]
         candidates = candidates[(candidates != tail[i]) & (candidates != head[i])]

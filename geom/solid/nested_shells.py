@@ -24,7 +24,8 @@ def nested_volume(bodies: Sequence[Surface]) -> VolumeProperties | None:
     volumes = np.array([signed_volume(*body) for body in bodies])
     free: list[Surface] = []
     cores: list[Surface] = []
-    for k in np.argsort(-volumes, kind="stable"):
+    largest_first: list[int] = np.argsort(-volumes, kind="stable").tolist()
+    for k in largest_first:
         if volumes[k] < LEAST_BODY_SHARE * volumes.max() or any(_lies_within(bodies[k], core) for core in cores):
             continue
         (cores if any(_lies_within(bodies[k], other) for other in free) else free).append(bodies[k])

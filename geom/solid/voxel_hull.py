@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import manifold3d
 import numpy as np
@@ -41,7 +41,7 @@ def voxel_hull(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, Int
         o3d.core.Tensor.from_numpy(((points - centre) / scale).astype(np.float32)),
         o3d.core.Tensor.from_numpy(triangles.astype(np.uint32)),
     )
-    grid = np.stack(np.meshgrid(*(np.arange(n) for n in shape), indexing="ij"), axis=-1).reshape(-1, 3)
+    grid = np.stack(np.meshgrid(*(np.arange(int(n)) for n in shape), indexing="ij"), axis=-1).reshape(-1, 3)
     nodes = ((start + grid * cell - centre) / scale).astype(np.float32)
     distance = scene.compute_distance(o3d.core.Tensor.from_numpy(nodes)).numpy().astype(np.float64).reshape(shape)
     cells_away = distance * scale / cell
@@ -49,7 +49,7 @@ def voxel_hull(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, Int
     inside = _without_specks(~outside)
     if not inside.any():
         return None
-    field = scale * np.where(inside, distance, -distance)
+    field = scale * cast(FloatArray, np.where(inside, distance, -distance))
     body = manifold3d.Manifold.level_set(
         _Trilinear(field, start - centre, cell), [*(low - centre - 1.5 * cell), *(high - centre + 1.5 * cell)], cell
     )
@@ -66,7 +66,7 @@ def _links(scene: Any, nodes: FloatArray, shape: IntArray, cell: float) -> list[
     """Per axis: True where no face lies between a node and the next one along the axis."""
     import open3d as o3d
 
-    free = []
+    free: list[BoolArray] = []
     for axis in range(3):
         rays = np.concatenate([nodes, np.broadcast_to(np.eye(3, dtype=np.float32)[axis], nodes.shape)], axis=1)
         hit = scene.cast_rays(o3d.core.Tensor.from_numpy(rays))["t_hit"].numpy().reshape(shape)

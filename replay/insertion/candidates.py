@@ -74,4 +74,4 @@ def from_bodies(bodies: Sequence[PlanBody], seed: int, number: int) -> VariantCh
 
 def outlines(stance: PlanStance) -> Iterator[np.ndarray]:
     """Outlines (n, 2) of the pieces of a stance."""
-    return (np.array(prism.outline_m) for prism in stance.prisms)
+    return (prism.outline_m for prism in stance.prisms)

@@ -7,13 +7,16 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
+from formats.mesh_points import in_shape_frame
 from geom.convex.hull import convex_hull
 from geom.pose import apply, pose
 from replay.recording.recorded_numbers import invalid_recording
 from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
+from schemas.robot_description import MeshReference
 
 MESH_FILES = (".obj", ".stl", ".ply", ".dae", ".glb")
+UNSCALED = (1.0, 1.0, 1.0)
 PLANE_THICKNESS_M, PLANE_HALF_M = 0.1, 10.0
 
 
@@ -33,9 +36,9 @@ def ellipsoid(half_m: tuple[float, ...], X_BG: FloatArray) -> CollisionShape:
     return CollisionShape("hull", (), np.eye(4), apply(X_BG, points), triangles)
 
 
-def plane(half_m: tuple[float, ...], X_BG: FloatArray) -> CollisionShape:
-    """A plane as a slab below its surface; an infinite one ends 10 m from its origin."""
-    x, y = (2.0 * (h if h > 0.0 else PLANE_HALF_M) for h in half_m[:2])
+def plane(size_m: tuple[float, ...], X_BG: FloatArray) -> CollisionShape:
+    """A plane of full lengths as a slab below its surface; an infinite one (0) ends 10 m from its origin."""
+    x, y = (length if length > 0.0 else 2.0 * PLANE_HALF_M for length in size_m[:2])
     down = pose(None, (0.0, 0.0, -PLANE_THICKNESS_M / 2.0))
     return CollisionShape("box", (x, y, PLANE_THICKNESS_M), X_BG @ down)
 
@@ -50,6 +53,18 @@ def mesh_points(path: Path, scale: tuple[float, ...], file: str) -> FloatArray:
     if not len(points) or not np.isfinite(points).all():
         raise invalid_recording("replay/bad-mesh", f"'{path.name}' has no finite vertices", file)
     return points
+
+
+def described_mesh(mesh: MeshReference, root: Path, meshes: Path | None, file: str) -> FloatArray:
+    """Vertices (n, 3) of a mesh of a robot description in the frame of its shape.
+
+    Its file lies inside `root`, else in the folder `meshes`. Raises InvalidInput.
+    """
+    if mesh.vertices is not None:
+        return in_shape_frame(mesh, mesh.vertices)
+    readable = mesh.path and Path(mesh.path).suffix.lower() in MESH_FILES
+    path = root / mesh.path if readable else locate_mesh(mesh.uri, root, meshes, file)
+    return in_shape_frame(mesh, mesh_points(path, UNSCALED, file))
 
 
 def locate_mesh(name: str, folder: Path, meshes: Path | None, file: str) -> Path:

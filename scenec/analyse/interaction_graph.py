@@ -13,9 +13,11 @@ from typing import Literal
 
 import networkx as nx
 
-from scenec.ir.problem import WORLD_PARENT, Path, Problem, Volume
+from scenec.ir.problem import Path, Problem
+from scenec.relations.table import RELATIONS
 from scenec.solve.coupling import components_of, overlapping
 from scenec.solve.model import model_of
+from schemas.scene.geometry import BACKGROUND
 
 EdgeKind = Literal["support", "containment", "overlap", "relation", "group"]
 STYLE: dict[EdgeKind, str] = {
@@ -93,11 +95,11 @@ def interaction_graph(problem: Problem) -> InteractionGraph:
     model = model_of(problem)
     things = model.things
     groups = sorted({thing.group for thing in things.values() if thing.group is not None})
-    nodes = [GraphNode(WORLD_PARENT, "background")]
+    nodes = [GraphNode(BACKGROUND, "background")]
     nodes += [GraphNode(thing.name, "thing", thing.path) for thing in things.values()]
     nodes += [GraphNode(group, "group", ("layout", "groups", group)) for group in groups]
     edges = [
-        GraphEdge(t.parent, t.name, "containment" if isinstance(t.place, Volume) else "support", t.place.name, t.path)
+        GraphEdge(t.parent, t.name, "containment" if t.place.is_volume else "support", t.place.name, t.path)
         for t in things.values()
     ]
     edges += [GraphEdge(t.group, t.name, "group", path=t.path) for t in things.values() if t.group is not None]
@@ -115,7 +117,7 @@ def schedule_of(components: tuple[tuple[str, ...], ...], problem: Problem) -> tu
     order: nx.DiGraph[int] = nx.DiGraph()
     order.add_nodes_from(range(len(components)))
     owners = [(home[t.parent], home[t.name]) for t in problem.things if t.parent in home]
-    relations = [(home[a], home[b]) for r in problem.relations if r.kind == "before" for a, b in [r.things]]
+    relations = [(home[a], home[b]) for r in problem.relations if RELATIONS[r.kind].separable for a, b in [r.things]]
     for source, target in [*owners, *relations]:
         if source != target and not nx.has_path(order, target, source):
             order.add_edge(source, target)

@@ -14,7 +14,7 @@ from runtime_plan.package_files import changed_physics
 from scenec.bind.anchors import drawn_surface, drawn_volume, recorded_surface, recorded_volume
 from scenec.bind.primitives import UPRIGHT, shape_of, stable_quats_wxyz, top_of
 from scenec.bind.prisms import scaled, stance_of
-from scenec.ir.problem import Body, Stance, Surface, Volume
+from scenec.ir.problem import Body
 from scenec.ir.single_assets import SingleAsset
 from scenec.source.hint import did_you_mean
 from schemas.anchors import ContainmentVolume, SupportSurface
@@ -22,6 +22,7 @@ from schemas.asset import AssetRecord
 from schemas.diagnostics import InvalidInput, Severity, finding
 from schemas.outcome import ItemOutcome
 from schemas.physics import CollisionShape
+from schemas.scene.geometry import ScenePlace, Stance
 from schemas.scene.program import AuthoredPolygon, FixedAsset, Inline, Orientation
 from usdio.reread.body import reread_body
 
@@ -35,8 +36,8 @@ class Geometry:
 
     asset_id: str
     shapes: tuple[CollisionShape, ...]
-    surfaces: tuple[Surface, ...]
-    volumes: tuple[Volume, ...]
+    surfaces: tuple[ScenePlace, ...]
+    volumes: tuple[ScenePlace, ...]
     stable_quats_wxyz: tuple[Quat_wxyz, ...]
     roles: frozenset[str]
     mass_kg: float | None
@@ -115,14 +116,18 @@ class AssetLibrary:
         self._seen[id(asset), scale] = asset, self._geometries[key]
         return self._geometries[key]
 
-    def surface(self, asset: SingleAsset, scale: float, reference: str | AuthoredPolygon, name: str) -> Surface | None:
+    def surface(
+        self, asset: SingleAsset, scale: float, reference: str | AuthoredPolygon, name: str
+    ) -> ScenePlace | None:
         """The surface that `reference` names (`auto`: the main one) or draws (then called `name`); None when absent."""
         geometry = self.geometry(asset, scale)
         if isinstance(reference, AuthoredPolygon):
             return drawn_surface(name, reference, geometry.shapes)
         return next((s for s in geometry.surfaces if reference in ("auto", s.name)), None)
 
-    def volume(self, asset: SingleAsset, scale: float, reference: str | AuthoredPolygon, name: str) -> Volume | None:
+    def volume(
+        self, asset: SingleAsset, scale: float, reference: str | AuthoredPolygon, name: str
+    ) -> ScenePlace | None:
         """The volume that `reference` names (`auto`: the main one) or draws (then called `name`); None when absent."""
         geometry = self.geometry(asset, scale)
         if isinstance(reference, AuthoredPolygon):
@@ -217,11 +222,11 @@ def _stance(geometry: Geometry, index: int, quat_wxyz: Quat_wxyz, sections: bool
     return stance_of(geometry.shapes, quat_wxyz, "upright" if quat_wxyz == UPRIGHT else f"pose_{index}", sections)
 
 
-def _enlarged(surface: Surface, scale: float) -> Surface:
+def _enlarged(surface: ScenePlace, scale: float) -> ScenePlace:
     if scale == 1.0:
         return surface
     polygon = stretch(surface.polygon, scale, scale, origin=(0.0, 0.0))
-    return Surface(surface.name, polygon, surface.origin_P_m * scale)
+    return ScenePlace(surface.name, polygon, surface.origin_P_m * scale)
 
 
 def _unusable(asset_id: str, why: str) -> InvalidInput:

@@ -17,26 +17,13 @@ from scenec.bind.choice_spans import candidate_path
 from scenec.bind.variants import AS_WRITTEN, ASSETS, Choice
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.names import Names, anchor_named, kind_of
-from scenec.ir.problem import (
-    WORLD_PARENT,
-    Body,
-    Domain,
-    FixedPose,
-    KeepOutIR,
-    Path,
-    Problem,
-    ReachIR,
-    RelationIR,
-    Surface,
-    Thing,
-    Volume,
-)
+from scenec.ir.problem import Body, Path, Problem, Thing, is_round, level_share
 from scenec.ir.single_assets import SingleAsset
 from scenec.source.tree import Spans
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, Label, any_error, finding
+from schemas.scene.geometry import BACKGROUND, Domain, FixedPose, KeepOutVolume, ReachRing, ScenePlace, SceneRelation
 from schemas.scene.program import (
-    BACKGROUND,
     Background,
     DiscretePlacement,
     FixedAsset,
@@ -52,7 +39,6 @@ from schemas.scene.program import (
 
 FULL_TURN = 2.0 * np.pi
 RESTS_DEG = 3.0  # largest tilt of a thing when it is released (design: a scene settles)
-Place = Surface | Volume
 
 
 class Lowering:
@@ -75,7 +61,7 @@ class Lowering:
         self.program = names.program
         self.diagnostics: list[Diagnostic] = []
         self.diagnostics_by_path: list[tuple[Path, Diagnostic]] = []  # without lines, for reuse when lines shift
-        self.places: dict[tuple[str, str], tuple[str, Place] | None] = {}
+        self.places: dict[tuple[str, str], tuple[str, ScenePlace] | None] = {}
         self.objects = {thing.id: thing for thing in self.program.objects}
         self.object_of = {t: node.object for n, node in self.program.layout.nodes.items() for t in names.copies[n]}
 
@@ -85,7 +71,7 @@ class Lowering:
         nodes = (node for node in program.layout.nodes if node in self.nodes)
         things = {thing.name: thing for node in nodes for thing in self._things(node)}
         background_yaw = _yaw(background) if background is not None else 0.0
-        relations: tuple[RelationIR, ...] = ()
+        relations: tuple[SceneRelation, ...] = ()
         if not any_error(self.diagnostics):
             relations, wrong = lower_relations(self.names, things, background_yaw, self.spans)
             self.diagnostics += wrong
@@ -98,7 +84,7 @@ class Lowering:
             tuple(things.values()),
             relations,
             program.clearance,
-            tuple(k for k in keep_outs if k is not None and (k.parent == WORLD_PARENT or k.parent in things)),
+            tuple(k for k in keep_outs if k is not None and (k.parent == BACKGROUND or k.parent in things)),
             self._reach(things),
             dict(self.choice.combination),
         )
@@ -131,7 +117,7 @@ class Lowering:
         return things
 
     def _bound_things(
-        self, node: str, placing: Placement | Group, written: SceneObject, parent: str, place: Place
+        self, node: str, placing: Placement | Group, written: SceneObject, parent: str, place: ScenePlace
     ) -> tuple[tuple[Thing, ...], tuple[tuple[Path, Diagnostic], ...]]:
         """The things of a node, and findings about them, each with its path."""
         groups, before = self.names.groups_of.get(node, ()), len(self.diagnostics_by_path)
@@ -139,10 +125,10 @@ class Lowering:
         path: Path = ("layout", "nodes", node)
         placed_by: Path = (*path, "placement") if group is None else ("layout", "groups", group)
         orientation, turns = _orientation(placing)
-        inside = isinstance(place, Volume)
+        inside = place.is_volume
         body = self._body(written.id, written.scale, orientation, placed_by, inside)
         domain = self._domain(placing, node, group, body, turns, placed_by)
-        if isinstance(place, Volume) and place.is_round and not domain.fixed_poses:
+        if is_round(place) and not domain.fixed_poses:
             self._report_round_floor(place, anchor_named(placing), parent, placed_by)
         things = tuple(
             Thing(name, body, parent, place, domain, path, group, written.semantic_tags)
@@ -167,9 +153,9 @@ class Lowering:
             headline = f"`{geometry.asset_id}` does not rest upright: its nearest stable pose leans {lean_deg:.0f} deg"
             self._add(finding("scene/topples", headline, value=lean_deg, bound=RESTS_DEG, unit="deg"), at)
 
-    def _report_round_floor(self, place: Volume, anchor: str, parent: str, placed_by: Path) -> None:
+    def _report_round_floor(self, place: ScenePlace, anchor: str, parent: str, placed_by: Path) -> None:
         headline = f"the floor of `{anchor}` in `{parent}` is round: what would lean on its wall is not placed"
-        floor_cm2, widest_cm2 = 1e4 * place.layers[0][2].area, 1e4 * place.layers[0][2].area / place.level_share
+        floor_cm2, widest_cm2 = 1e4 * place.floor.area, 1e4 * place.floor.area / level_share(place)
         self._add(finding("scene/round-floor", headline, value=floor_cm2, bound=widest_cm2, unit="cm2"), placed_by)
 
     def _domain(
@@ -214,13 +200,13 @@ class Lowering:
 
     # Places.
 
-    def _place(self, anchor: str, kind: Literal["surface", "volume"]) -> tuple[str, Place] | None:
+    def _place(self, anchor: str, kind: Literal["surface", "volume"]) -> tuple[str, ScenePlace] | None:
         """Owner and place of an anchor, None where its owner has no such place; cached."""
         if (anchor, kind) not in self.places:
             self.places[anchor, kind] = self._place_of(anchor, kind)
         return self.places[anchor, kind]
 
-    def _place_of(self, anchor: str, kind: Literal["surface", "volume"]) -> tuple[str, Place] | None:
+    def _place_of(self, anchor: str, kind: Literal["surface", "volume"]) -> tuple[str, ScenePlace] | None:
         reference, owner = self.program.anchors[anchor], self.names.owner(anchor)
         if owner is None:
             headline = f"`{reference.object}`, on which `{anchor}` is, is never placed"
@@ -239,8 +225,8 @@ class Lowering:
             return None
         find = self.library.surface if kind == "surface" else self.library.volume
         place = find(assets[0], scale, place_name, anchor)
-        if place is not None and not (isinstance(place, Volume) and not place.layers):
-            return WORLD_PARENT if owner == BACKGROUND else owner, place
+        if place is not None and (place.layers or not place.is_volume):
+            return owner, place
         geometry = self.library.geometry(assets[0], scale)
         there = [p.name for p in (geometry.surfaces if kind == "surface" else geometry.volumes)]
         alternatives = f"it has {', '.join(there)}" if there else "it has none"
@@ -265,13 +251,13 @@ class Lowering:
         if here not in self.diagnostics:
             self.diagnostics.append(here)
 
-    def _keep_out(self, index: int) -> KeepOutIR | None:
+    def _keep_out(self, index: int) -> KeepOutVolume | None:
         keep_out = self.program.keep_outs[index]
         placed = self._place(keep_out.surface, "surface")
         if placed is None:
             return None
         parent, place = placed
-        assert isinstance(place, Surface), "a surface was asked for"
+        assert not place.is_volume, "a surface was asked for"
         if keep_out.outline is not None:
             polygon = shapely.Polygon(keep_out.outline)
         else:
@@ -279,18 +265,18 @@ class Lowering:
             ranges = keep_out.ranges or Ranges()
             (x0, x1), (y0, y1) = ranges.x or (x0, x1), ranges.y or (y0, y1)
             polygon = shapely.box(x0, y0, x1, y1)
-        return KeepOutIR(parent, place, polygon, keep_out.height or np.inf, ("keep_outs", index))
+        return KeepOutVolume(parent, place, polygon, keep_out.height or np.inf, ("keep_outs", index))
 
-    def _reach(self, things: Mapping[str, Thing]) -> ReachIR | None:
+    def _reach(self, things: Mapping[str, Thing]) -> ReachRing | None:
         reach = self.program.reach
         if reach is None:
             return None
         named = things if reach.members == "all" else [t for m in reach.members for t in self.names.things_named(m)]
         members = tuple(name for name in dict.fromkeys(named) if name in things)
-        return ReachIR(np.array(reach.base), reach.min_radius, reach.radius, members, ("reach",)) if members else None
+        return ReachRing(np.array(reach.base), reach.min_radius, reach.radius, members, ("reach",)) if members else None
 
 
-def _itself(rule: RelationIR) -> RelationIR:
+def _itself(rule: SceneRelation) -> SceneRelation:
     return rule
 
 
@@ -346,7 +332,7 @@ def _union(bodies: Sequence[Body]) -> Body:
     orientations = tuple(
         replace(
             bodies[0].resting_orientations[k],
-            slabs=tuple(slab for body in bodies for slab in body.resting_orientations[k].slabs),
+            prisms=tuple(prism for body in bodies for prism in body.resting_orientations[k].prisms),
         )
         for k in range(count)
     )

@@ -11,9 +11,10 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from scenec.ir.problem import WORLD_PARENT, Problem
+from scenec.ir.problem import Problem
 from scenec.solve.coupling import boxes_may_meet, footprint_bounds, heights
 from scenec.solve.model import SolverModel, model_of
+from schemas.scene.geometry import BACKGROUND
 
 
 def independent_components(problems: Sequence[Problem]) -> tuple[tuple[str, ...], ...]:
@@ -29,12 +30,12 @@ def independent_components(problems: Sequence[Problem]) -> tuple[tuple[str, ...]
     by_path: dict[object, str] = {}
     for thing in first.things:
         graph.add_edge(by_path.setdefault(thing.path, thing.name), thing.name)
-        if thing.parent != WORLD_PARENT:
+        if thing.parent != BACKGROUND:
             graph.add_edge(thing.parent, thing.name)
     for rule in first.relations:
         tied = (*rule.things, rule.frame)
-        graph.add_edges_from(pairwise(name for name in tied if name != WORLD_PARENT))
-    roots = [thing.name for thing in first.things if thing.parent == WORLD_PARENT]
+        graph.add_edges_from(pairwise(name for name in tied if name != BACKGROUND))
+    roots = [thing.name for thing in first.things if thing.parent == BACKGROUND]
     if roots:
         models = [model_of(problem) for problem in problems]
         low, high = (

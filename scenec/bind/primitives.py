@@ -7,8 +7,8 @@ import shapely
 
 from geom.convex.circumscribed_hull import UNIT_CIRCLE
 from geom.pose import pose
-from scenec.ir.problem import Surface
 from schemas.physics import CollisionShape
+from schemas.scene.geometry import ScenePlace
 from schemas.scene.program import BoxAsset, CylinderAsset, Inline, SphereAsset
 
 TOP = "top"
@@ -28,14 +28,14 @@ def shape_of(primitive: Inline) -> CollisionShape:
     return CollisionShape("cylinder", size, pose(p_AB=(0.0, 0.0, 0.5 * primitive.height_m)))
 
 
-def top_of(primitive: Inline) -> tuple[Surface, ...]:
+def top_of(primitive: Inline) -> tuple[ScenePlace, ...]:
     """The flat top; a round one is a polygon inscribed in the circle, so that contents stay on the top."""
     if isinstance(primitive, BoxAsset):
         x, y, z = primitive.size_m
-        return (Surface(TOP, shapely.box(-0.5 * x, -0.5 * y, 0.5 * x, 0.5 * y), np.array([0.0, 0.0, z])),)
+        return (ScenePlace(TOP, shapely.box(-0.5 * x, -0.5 * y, 0.5 * x, 0.5 * y), np.array([0.0, 0.0, z])),)
     if isinstance(primitive, CylinderAsset):
         circle = shapely.Polygon(primitive.radius_m * UNIT_CIRCLE)
-        return (Surface(TOP, circle, np.array([0.0, 0.0, primitive.height_m])),)
+        return (ScenePlace(TOP, circle, np.array([0.0, 0.0, primitive.height_m])),)
     return ()
 
 

@@ -16,9 +16,9 @@ import shapely
 from geom.convex.circumscribed_hull import CIRCUMSCRIBED_CIRCLE, circumscribed_hull
 from geom.convex.support_function import support
 from geom.pose import matrix_of
-from scenec.ir.problem import Slab, Stance
 from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
+from schemas.scene.geometry import Prism, Stance
 
 SECTIONS = np.array([0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0])  # shares of a shape's height
 END_M = 2.5e-4  # thickness of the first and last section: more than what counts as one contact in a pile
@@ -30,42 +30,44 @@ def stance_of(
 ) -> Stance:
     """The stance of shapes (asset frame) turned by `quat_wxyz`, with their lowest point on the support.
 
-    With `sections` a tapering shape becomes several slabs, one on the other; the first and last are thin, since others
+    With `sections` a tapering shape becomes several prisms, one on the other; the first and last are thin, since others
     touch it there.
     """
     R_SP = np.eye(3) if quat_wxyz == (1.0, 0.0, 0.0, 0.0) else matrix_of(np.asarray(quat_wxyz))
     spans = [_heights(shape, R_SP) for shape in shapes]
     ground = min(low for low, _ in spans)
     whole = [
-        Slab(_hull(_seen(shape, R_SP)), low - ground, high - ground)
+        Prism(_hull(_seen(shape, R_SP)), low - ground, high - ground)
         for shape, (low, high) in zip(shapes, spans, strict=True)
     ]
     if sections:
-        least_m2 = TAPERS * shapely.union_all([shapely.Polygon(slab.outline_m) for slab in whole]).area
+        least_m2 = TAPERS * shapely.union_all([shapely.Polygon(prism.outline_m) for prism in whole]).area
         corners = [circumscribed_hull(shape) @ R_SP.T - [0.0, 0.0, ground] for shape in shapes]
-        whole = [part for slab, points in zip(whole, corners, strict=True) for part in _cut_up(slab, points, least_m2)]
+        whole = [
+            part for prism, points in zip(whole, corners, strict=True) for part in _cut_up(prism, points, least_m2)
+        ]
     return Stance(quat_wxyz, tuple(whole), -ground, name)
 
 
-def _cut_up(slab: Slab, points: FloatArray, least_m2: float) -> list[Slab]:
-    # Horizontal cuts of the hull of `points` (S, the lowest of all shapes at 0), bottom up; the slab itself where none
+def _cut_up(prism: Prism, points: FloatArray, least_m2: float) -> list[Prism]:
+    # Horizontal cuts of the hull of `points` (S, the lowest of all shapes at 0), bottom up; the prism itself where none
     # is smaller by an area that counts.
-    ends = (slab.low_m + (slab.high_m - slab.low_m) * SECTIONS).tolist()
+    ends = (prism.low_m + (prism.high_m - prism.low_m) * SECTIONS).tolist()
     if ends[1] - ends[0] > END_M:
         ends = [ends[0], ends[0] + END_M, *ends[1:-1], ends[-1] - END_M, ends[-1]]
-    cuts = [Slab(_hull(_cut(points, low, high)), low, high) for low, high in pairwise(ends)]
+    cuts = [Prism(_hull(_cut(points, low, high)), low, high) for low, high in pairwise(ends)]
     cuts = [cut for cut in cuts if len(cut.outline_m) >= 3]
     smallest = min((shapely.Polygon(cut.outline_m).area for cut in cuts), default=np.inf)
-    if smallest >= shapely.Polygon(slab.outline_m).area - least_m2:
-        return [slab]
-    cuts[0] = replace(cuts[0], low_m=slab.low_m)
-    cuts[-1] = replace(cuts[-1], high_m=slab.high_m)
+    if smallest >= shapely.Polygon(prism.outline_m).area - least_m2:
+        return [prism]
+    cuts[0] = replace(cuts[0], low_m=prism.low_m)
+    cuts[-1] = replace(cuts[-1], high_m=prism.high_m)
     return cuts
 
 
-def slabs_between(shapes: Sequence[CollisionShape], low_m: float, high_m: float) -> tuple[Slab, ...]:
-    """Slabs of shapes between `low_m` and `high_m` (asset frame, upright); their heights count from `low_m`."""
-    slabs = []
+def prisms_between(shapes: Sequence[CollisionShape], low_m: float, high_m: float) -> tuple[Prism, ...]:
+    """Prisms of shapes between `low_m` and `high_m` (asset frame, upright); their heights count from `low_m`."""
+    prisms = []
     for shape in shapes:
         low, high = _heights(shape, np.eye(3))
         if high <= low_m or low >= high_m:
@@ -77,8 +79,8 @@ def slabs_between(shapes: Sequence[CollisionShape], low_m: float, high_m: float)
         )
         outline = _hull(part)
         if len(outline) >= 3:
-            slabs.append(Slab(outline, max(low, low_m) - low_m, min(high, high_m) - low_m))
-    return tuple(slabs)
+            prisms.append(Prism(outline, max(low, low_m) - low_m, min(high, high_m) - low_m))
+    return tuple(prisms)
 
 
 def scaled(shape: CollisionShape, scale: float) -> CollisionShape:

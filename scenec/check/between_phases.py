@@ -15,8 +15,9 @@ from shapely import Polygon
 
 from scenec.check.judge_scene import violations
 from scenec.ir.derivation_cache import DerivationCache
-from scenec.ir.problem import WORLD_PARENT, Body, Placement, Problem, Stance, Surface, Thing, Volume
+from scenec.ir.problem import Body, Placement, Problem, Thing
 from schemas.scene.compiled import CompiledScene
+from schemas.scene.geometry import BACKGROUND, ScenePlace, Stance
 
 UNIT = 1e-6  # how far the norm of a quaternion may be from 1
 
@@ -58,7 +59,7 @@ def _unbound(problem: Problem, derivations: DerivationCache) -> Iterator[str]:
     names = Counter(thing.name for thing in problem.things)
     yield from (f"{count} things are called {name}" for name, count in names.items() if count > 1)
     for thing in problem.things:
-        if thing.parent != WORLD_PARENT and thing.parent not in names:
+        if thing.parent != BACKGROUND and thing.parent not in names:
             yield f"the owner {thing.parent} of {thing.name} is not in the scene"
         yield from derivations.get(("sound", id(thing)), partial(_unsound, thing), thing)
     for body in {id(thing.body): thing.body for thing in problem.things}.values():  # Many things share one body.
@@ -68,7 +69,7 @@ def _unbound(problem: Problem, derivations: DerivationCache) -> Iterator[str]:
         if not derivations.get(("sound", id(place)), partial(_is_area, place), place):
             yield f"the place {place.name} is no area"
     for relation in problem.relations:
-        strangers = {*relation.things, relation.frame} - set(names) - {WORLD_PARENT}
+        strangers = {*relation.things, relation.frame} - set(names) - {BACKGROUND}
         yield from (f"{relation.word or relation.kind} speaks of {name}" for name in sorted(strangers))
         if abs(math.hypot(*relation.direction) - 1.0) > UNIT:
             yield f"the direction of {relation.word or relation.kind} has no unit length"
@@ -99,15 +100,15 @@ def _misshapen(body: Body) -> tuple[str, ...]:
 def _shapeless(stance: Stance) -> Iterator[str]:
     if abs(np.linalg.norm(stance.quat_wxyz) - 1.0) > UNIT:
         yield f"the quaternion of stance {stance.name} has no unit length"
-    if not stance.slabs:
+    if not stance.prisms:
         yield f"stance {stance.name} has no collision geometry"
-    for slab in stance.slabs:
-        if not np.isfinite(slab.outline_m).all() or not slab.low_m <= slab.high_m:
+    for prism in stance.prisms:
+        if not np.isfinite(prism.outline_m).all() or not prism.low_m <= prism.high_m:
             yield f"stance {stance.name} has a piece without finite extent"
 
 
-def _is_area(place: Surface | Volume) -> bool:
-    areas = [place.polygon] if isinstance(place, Surface) else [area for _, _, area in place.layers]
+def _is_area(place: ScenePlace) -> bool:
+    areas = [layer.polygon for layer in place.layers] if place.is_volume else [place.polygon]
     return bool(areas) and all(_sound(area) for area in areas)
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from scene_check.batch import WORLD, BatchPoses, SceneRules, StanceGeometry
+from scene_check.batch import BatchPoses, SceneRules
 from scene_check.check_batch import check_batch
 from scene_check.from_plan import scene_rules
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import BACKGROUND, Stance
 from schemas.scene.runtime_plan import PlanCombination, PlanPool, RuntimePlan
 
 EACH = 4  # scenes in which a case appears at least
@@ -34,13 +35,12 @@ def extremes(rules: SceneRules, combination: PlanCombination, scenes: np.ndarray
     form = np.zeros((count, len(names)), dtype=np.int64)
     home = {name: (pool, k) for pool in combination.pools for k, name in enumerate(pool.things)}
     for i, (thing, rule) in enumerate(zip(combination.things, rules.things, strict=True)):
-        place = rules.places[rule.place]
         at, turn, form[:, i] = _in_place(rule.forms, *home[thing.id], scenes, i)
-        at += place.at.origin_m
-        if place.owner == WORLD:
+        at += rule.place.origin_P_m
+        if rule.owner == BACKGROUND:
             base, heading = np.broadcast_to(rules.origin_m, (count, 3)), np.full(count, rules.yaw_rad)
         else:
-            base, heading = origin[:, place.owner], yaw[:, place.owner]
+            base, heading = origin[:, rules.number[rule.owner]], yaw[:, rules.number[rule.owner]]
         c, s = np.cos(heading), np.sin(heading)
         origin[:, i] = base + np.stack([c * at[:, 0] - s * at[:, 1], s * at[:, 0] + c * at[:, 1], at[:, 2]], axis=1)
         yaw[:, i] = heading + turn
@@ -48,7 +48,7 @@ def extremes(rules: SceneRules, combination: PlanCombination, scenes: np.ndarray
 
 
 def _in_place(
-    forms: tuple[StanceGeometry, ...], pool: PlanPool, k: int, scenes: np.ndarray, number: int
+    forms: tuple[tuple[int, Stance], ...], pool: PlanPool, k: int, scenes: np.ndarray, number: int
 ) -> tuple[FloatArray, FloatArray, np.ndarray]:
     # Origins (n, 3) in A, yaws (n,) and forms (n,) of thing k of a pool.
     chosen = scenes % len(pool.cases)
@@ -61,11 +61,11 @@ def _in_place(
     stance = np.array([case.stances[k] for case in pool.cases])[chosen]
     at, form = np.zeros((len(scenes), 3)), np.zeros(len(scenes), dtype=np.int64)
     for s in set(stance.tolist()):
-        bodies = [f for f, geometry in enumerate(forms) if geometry.stance == s]
+        bodies = [f for f, (number_of_stance, _) in enumerate(forms) if number_of_stance == s]
         for b, f in enumerate(bodies):
             rows = np.flatnonzero((stance == s) & (corner % len(bodies) == b))
             form[rows] = f
-            x, y = np.concatenate([prism.outline_m for prism in forms[f].prisms]).T
+            x, y = np.concatenate([prism.outline_m for prism in forms[f][1].prisms]).T
             c, n = np.cos(yaw[rows])[:, None], np.sin(yaw[rows])[:, None]
             px, py = c * x - n * y, n * x + c * y
             low = np.stack([cell[rows, 0] - px.min(axis=1), cell[rows, 2] - py.min(axis=1)], axis=1)
@@ -75,6 +75,6 @@ def _in_place(
                 raise RuntimeError(f"{pool.things[k]}: a cell is empty at an end of its yaws")
             upper = np.stack([corner[rows] % 2, (corner[rows] // 2) % 2], axis=1)
             at[rows, :2] = np.where(low <= high, np.where(upper == 1, high, low), (low + high) / 2.0)
-            at[rows, 2] = forms[f].origin_height_m
+            at[rows, 2] = forms[f][1].origin_height_m
     at[:, 2] += np.array([case.base_um[k] for case in pool.cases])[chosen] * 1e-6
     return at, yaw, form

@@ -6,23 +6,11 @@ from __future__ import annotations
 import math
 from functools import partial
 
-import numpy as np
-
-from geom.planar import front_of, turned
-from scene_check import (
-    CheckKeepOut,
-    CheckObject,
-    CheckPlace,
-    CheckPrism,
-    CheckReach,
-    CheckRelation,
-    CheckScene,
-    Violation,
-    check,
-)
+from scene_check import CheckObject, CheckScene, Violation, check
+from scene_check.batch import object_in_world, place_in_world, relation_in_world
 from scenec.emit.scene import world_frames
 from scenec.ir.derivation_cache import DerivationCache
-from scenec.ir.problem import FixedPose, Placement, Problem, RelationIR, Slab, Surface, Thing, Volume
+from scenec.ir.problem import Placement, Problem, Thing
 from schemas.arrays import FloatArray
 
 LevelPose = tuple[FloatArray, float]  # origin (3,) in W and yaw: supports are level
@@ -56,28 +44,32 @@ def check_scene(
     poses = {name: _level(X_WU) for name, X_WU in frames.items()}
     stood_on = {(thing.parent, id(thing.place)): thing.place for thing in problem.things}
     places = {
-        key: derivations.get(("place", problem.key, key), partial(_place, key[0], place, poses), place, frames[key[0]])
+        key: derivations.get(
+            ("place", problem.key, key), partial(place_in_world, key[0], place, *poses[key[0]]), place, frames[key[0]]
+        )
         for key, place in stood_on.items()
     }
 
     def standing(thing: Thing) -> CheckObject:
         name, at, place = thing.name, placements[thing.name], places[thing.parent, id(thing.place)]
-        make = partial(_object, thing, at, poses[name], place)
+        stance = thing.body.resting_orientations[at.stance]
+        make = partial(object_in_world, name, at.stance, stance, thing.domain, place, *poses[name])
         return derivations.get(("object", problem.key, name), make, thing, at, frames[name], place)
 
     objects = tuple(standing(thing) for thing in problem.things)
     keep_outs = tuple(
-        CheckKeepOut(_place(rule.parent, rule.place, poses), rule.polygon, rule.height_m) for rule in problem.keep_outs
+        (place_in_world(rule.parent, rule.place, *poses[rule.parent]), rule) for rule in problem.keep_outs
     )
-    reach = problem.reach
     relations = tuple(
         derivations.get(
-            ("relation", problem.key, k), partial(_relation, relation, poses), relation, frames[relation.frame]
+            ("relation", problem.key, k),
+            partial(relation_in_world, relation, poses[relation.frame][1]),
+            relation,
+            frames[relation.frame],
         )
         for k, relation in enumerate(problem.relations)
     )
-    ring = None if reach is None else CheckReach(reach.base_m, reach.least_m, reach.most_m, reach.members)
-    return CheckScene(objects, problem.clearance_m, relations, keep_outs, ring)
+    return CheckScene(objects, problem.clearance_m, relations, keep_outs, problem.reach)
 
 
 def world_poses(problem: Problem, placements: dict[str, Placement]) -> dict[str, LevelPose]:
@@ -90,61 +82,3 @@ def world_poses(problem: Problem, placements: dict[str, Placement]) -> dict[str,
 
 def _level(X_WU: FloatArray) -> LevelPose:
     return X_WU[:3, 3], math.atan2(X_WU[1, 0], X_WU[0, 0])
-
-
-def _anchor(owner: str, place: Surface | Volume, poses: dict[str, LevelPose]) -> LevelPose:
-    origin, yaw = poses[owner]
-    shift = turned(place.origin_P_m[None, :2], yaw)[0]
-    return origin + np.array([*shift, place.origin_P_m[2]]), yaw
-
-
-def _place(owner: str, place: Surface | Volume, poses: dict[str, LevelPose]) -> CheckPlace:
-    origin, yaw = _anchor(owner, place, poses)
-    if isinstance(place, Volume):
-        return CheckPlace(owner, place.name, origin, yaw, layers=place.layers, height_m=place.height_m)
-    above = tuple(CheckPrism(slab.outline_m, slab.low_m, slab.high_m) for slab in place.above)
-    return CheckPlace(owner, place.name, origin, yaw, place.polygon, height_m=place.clearance_m, above=above)
-
-
-def _relation(relation: RelationIR, poses: dict[str, LevelPose]) -> CheckRelation:
-    return CheckRelation(
-        kind=relation.kind,
-        objects=relation.things,
-        direction=turned(np.array([relation.direction]), poses[relation.frame][1])[0],
-        gap_m=relation.gap_m,
-        tolerance=relation.tolerance,
-        label=relation.word or relation.kind,
-    )
-
-
-def _object(thing: Thing, at: Placement, pose: LevelPose, place: CheckPlace) -> CheckObject:
-    origin, yaw = pose
-    stance, domain = thing.body.resting_orientations[at.stance], thing.domain
-    floor = float(place.origin_m[2]) + at.base_m
-    has_fixed_pose = any(fixed_pose.stance == at.stance for fixed_pose in domain.fixed_poses)
-    return CheckObject(
-        name=thing.name,
-        prisms=tuple(_prism(slab, origin, yaw, floor) for slab in stance.slabs),
-        origin_m=origin,
-        yaw_rad=yaw,
-        front=turned(front_of(stance.quat_wxyz)[None], yaw)[0],
-        place=place,
-        x_m=domain.x_m,
-        y_m=domain.y_m,
-        yaw_range_rad=domain.yaw_rad,
-        fixed_poses=tuple(
-            _fixed_pose(fixed_pose)
-            for fixed_pose in domain.fixed_poses
-            if fixed_pose.stance == at.stance or not has_fixed_pose
-        ),
-        stance=at.stance,
-        stances=tuple(fixed_pose.stance for fixed_pose in domain.fixed_poses) or domain.orientation_indices,
-    )
-
-
-def _prism(slab: Slab, origin: FloatArray, yaw: float, floor_m: float) -> CheckPrism:
-    return CheckPrism(turned(slab.outline_m, yaw) + origin[:2], floor_m + slab.low_m, floor_m + slab.high_m)
-
-
-def _fixed_pose(fixed_pose: FixedPose) -> tuple[float, float, float, float]:
-    return fixed_pose.x_m, fixed_pose.y_m, fixed_pose.z_m, fixed_pose.yaw_rad

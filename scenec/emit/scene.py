@@ -10,12 +10,12 @@ import numpy as np
 
 from geom.pose import pose
 from scenec.ir.derivation_cache import DerivationCache
-from scenec.ir.problem import WORLD_PARENT, Body, Placement, Problem, Stance, Thing
+from scenec.ir.problem import Body, Placement, Problem, Thing
 from schemas.arrays import FloatArray
-from schemas.scene.compiled import CompiledScene, PlacedObject, Prism
+from schemas.scene.compiled import CompiledScene, PlacedObject
+from schemas.scene.geometry import BACKGROUND, Prism, Stance, rounded_value
 from schemas.scene.program import BoxAsset, CylinderAsset, Inline, SphereAsset
 
-_DIGITS = 9  # nanometres: hides rounding errors of sums
 _NO_PART = 1e-12  # of a unit quaternion: rounding
 
 
@@ -33,7 +33,7 @@ def compiled_scene(
         for thing in problem.things
     }
     if problem.background is not None:
-        bodies[WORLD_PARENT] = None, problem.background, problem.background.resting_orientations[0]
+        bodies[BACKGROUND] = None, problem.background, problem.background.resting_orientations[0]
     placed = {
         name: derivations.get(
             ("placed", problem.key, name),
@@ -42,7 +42,7 @@ def compiled_scene(
         )
         for name, (thing, body, stance) in bodies.items()
     }
-    behind = placed.pop(WORLD_PARENT, None)
+    behind = placed.pop(BACKGROUND, None)
     return CompiledScene(
         scene=problem.scene,
         seed=seed,
@@ -63,7 +63,7 @@ def world_frames(
     things = {thing.name: thing for thing in problem.things}
     derivations = derivations or DerivationCache()
     X_WB = np.asarray(problem.X_WB, dtype=np.float64)
-    frames = {WORLD_PARENT: derivations.get(("frame", X_WB.tobytes()), lambda: X_WB)}
+    frames = {BACKGROUND: derivations.get(("frame", X_WB.tobytes()), lambda: X_WB)}
 
     def frame(name: str) -> FloatArray:
         if name not in frames:
@@ -89,12 +89,12 @@ def _in_parent(thing: Thing, placement: Placement) -> FloatArray:
 
 def _placed(name: str, body: Body, stance: Stance, X_WU: FloatArray, thing: Thing | None) -> PlacedObject:
     inline: Inline | None = body.inline if isinstance(body.inline, BoxAsset | CylinderAsset | SphereAsset) else None
-    w, x, y, z = (_rounded(q) for q in _quat_wxyz(stance, X_WU))
+    w, x, y, z = (rounded_value(q) for q in _quat_wxyz(stance, X_WU))
     return PlacedObject(
         id=name,
         asset_id=body.asset_id,
         package=body.package,
-        position_m=(_rounded(X_WU[0, 3]), _rounded(X_WU[1, 3]), _rounded(X_WU[2, 3])),
+        position_m=(rounded_value(X_WU[0, 3]), rounded_value(X_WU[1, 3]), rounded_value(X_WU[2, 3])),
         quat_wxyz=(w, x, y, z),
         scale=body.scale,
         parent="" if thing is None else thing.parent,
@@ -120,18 +120,7 @@ def _quat_wxyz(stance: Stance, X_WU: FloatArray) -> tuple[float, float, float, f
 def prisms(stance: Stance, X_WU: FloatArray) -> tuple[Prism, ...]:
     """The collision geometry of a stance in the world; `X_WU` turns about z alone, so that prisms stay prisms."""
     floor_m = float(X_WU[2, 3]) - stance.origin_height_m
-    world_prisms = []
-    for slab in stance.slabs:
-        outline = slab.outline_m @ X_WU[:2, :2].T + X_WU[:2, 3]
-        world_prisms.append(
-            Prism(
-                outline_m=tuple((_rounded(x), _rounded(y)) for x, y in outline.tolist()),
-                low_m=_rounded(floor_m + slab.low_m),
-                high_m=_rounded(floor_m + slab.high_m),
-            )
-        )
-    return tuple(world_prisms)
-
-
-def _rounded(value: float) -> float:
-    return round(float(value), _DIGITS) + 0.0  # + 0.0: no negative zero.
+    return tuple(
+        Prism(prism.outline_m @ X_WU[:2, :2].T + X_WU[:2, 3], floor_m + prism.low_m, floor_m + prism.high_m).rounded()
+        for prism in stance.prisms
+    )

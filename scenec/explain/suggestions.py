@@ -14,17 +14,17 @@ from itertools import islice
 import numpy as np
 
 from scenec.explain.minimal_conflict import Conflict, Feasible
-from scenec.ir.problem import WORLD_PARENT, Domain, Path, Problem, RelationIR, Solved, Surface, Thing, Volume
+from scenec.ir.problem import Path, Problem, Solved, Thing
 from scenec.ir.relaxed import CLEARANCE, relaxed
 from scenec.proofs import prove_cheaply
+from scenec.relations.protocol import SUGGESTION_STEP_M, WIDEST_M, WeakerNumber
+from scenec.relations.table import RELATIONS
 from scenec.source.tree import written
 from schemas.scene.compiled import Suggestion
+from schemas.scene.geometry import BACKGROUND, Domain, ScenePlace, SceneRelation
 
 MOST_SUGGESTIONS = 5
 MOST_SOLVES = 80
-SUGGESTION_STEP_M = 0.001
-WIDEST_M = 1.28
-
 
 Change = Callable[[Problem], Problem]
 
@@ -74,12 +74,13 @@ def _edits(problem: Problem, path: Path, oracle: FeasibilityOracle) -> Iterator[
 
     if not oracle.works(without(problem)):
         return
-    relation = next((r for r in problem.relations if r.path == path), None)
+    relations = list({r.kind: r for r in reversed(problem.relations) if r.path == path}.values())[::-1]
     if path == CLEARANCE:
         yield from _lower_clearance(problem, oracle)
         return
-    if relation is not None:
-        yield from _relax_relation(problem, relation, oracle)
+    if relations:
+        for relation in relations:
+            yield from _relax_relation(problem, relation, oracle)
     elif problem.reach is not None and path == problem.reach.path:
         yield from _farther_reach(problem, oracle)
     elif path[-1] in ("x", "y"):
@@ -106,37 +107,23 @@ def _lower_clearance(problem: Problem, oracle: FeasibilityOracle) -> Iterator[Pr
         yield ProgramEdit(f"lower clearance to {value:.4g}", partial(at, value), 1.0 - value / problem.clearance_m)
 
 
-def _relax_relation(problem: Problem, relation: RelationIR, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
+def _relax_relation(problem: Problem, relation: SceneRelation, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
     """A changed gap, distance or tolerance of a relation."""
-    name = "distance" if relation.kind in ("near", "far_from") else "gap"
+    for number in RELATIONS[relation.kind].weaker(relation):
+        at = partial(_with_number, relation, number)
+        value = _least_change(number.start, number.end, number.step, lambda v, at=at: oracle.works(at(v, problem)))
+        if value is not None:
+            text = f"set {number.key} of {written(relation.path)} to {value:.4g}"
+            cost = min(0.9, number.cost_per_unit * abs(value - number.start))
+            yield ProgramEdit(text, partial(at, value), cost)
 
-    def at(value: float, of: Problem) -> Problem:
-        changed = [replace(r, gap_m=value) if r.path == relation.path else r for r in of.relations]
-        return replace(of, relations=tuple(changed))
 
-    if relation.kind in ("before", "far_from") and relation.gap_m > 0.0:
-        end = 0.0 if relation.kind == "before" else SUGGESTION_STEP_M
-        value = _least_change(relation.gap_m, end, SUGGESTION_STEP_M, lambda v: oracle.works(at(v, problem)))
-    elif relation.kind == "near":
-        value = _least_change(
-            relation.gap_m, relation.gap_m + WIDEST_M, SUGGESTION_STEP_M, lambda v: oracle.works(at(v, problem))
-        )
-    elif relation.kind in ("aligned", "between"):
-        name = "tolerance"
-
-        def at(value: float, of: Problem) -> Problem:
-            changed = [replace(r, tolerance=value) if r.path == relation.path else r for r in of.relations]
-            return replace(of, relations=tuple(changed))
-
-        start = relation.tolerance
-        value = _least_change(start, start + WIDEST_M, SUGGESTION_STEP_M, lambda v: oracle.works(at(v, problem)))
-    else:
-        return
-    if value is not None:
-        old = relation.tolerance if name == "tolerance" else relation.gap_m
-        yield ProgramEdit(
-            f"set {name} of {written(relation.path)} to {value:.4g}", partial(at, value), min(0.9, abs(value - old))
-        )
+def _with_number(relation: SceneRelation, number: WeakerNumber, value: float, problem: Problem) -> Problem:
+    """The problem with another number in all relations that were lowered from the same written one to this kind."""
+    changed = [
+        number.changed(r, value) if (r.path, r.kind) == (relation.path, relation.kind) else r for r in problem.relations
+    ]
+    return replace(problem, relations=tuple(changed))
 
 
 def _farther_reach(problem: Problem, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
@@ -235,10 +222,10 @@ def _moves(problem: Problem, thing: Thing, oracle: FeasibilityOracle) -> Iterato
             continue
         change = partial(_moved, thing=thing.name, owner=owner, name=name)
         if oracle.works(change(problem)):
-            yield ProgramEdit(f"move {thing.name} to {name if owner == WORLD_PARENT else owner}", change, 0.95)
+            yield ProgramEdit(f"move {thing.name} to {name if owner == BACKGROUND else owner}", change, 0.95)
 
 
-def _places(problem: Problem) -> dict[tuple[str, str], Surface | Volume]:
+def _places(problem: Problem) -> dict[tuple[str, str], ScenePlace]:
     """Places that the program uses, and the main surface of everything that is placed; by owner and name."""
     tops = {(owner.name, top.name): top for owner in problem.things for top in owner.body.surfaces[:1]}
     return tops | {(other.parent, other.place.name): other.place for other in problem.things}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Literal
 
+from schemas.scene.geometry import BACKGROUND
 from schemas.scene.program import (
-    BACKGROUND,
     DiscretePlacement,
     Group,
     Placement,

@@ -9,83 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
-
-import numpy as np
-from shapely import Polygon
 
 from schemas.arrays import FloatArray
-from schemas.scene.program import BACKGROUND
+from schemas.scene.geometry import Domain, KeepOutVolume, ReachRing, ScenePlace, SceneRelation, Stance
 
 Path = tuple[str | int, ...]
-WORLD_PARENT = BACKGROUND
 LEVEL_SHARE = 0.25  # of a floor that things stand on
-RelationKind = Literal["before", "near", "far_from", "aligned", "facing", "between"]
-
-
-@dataclass(frozen=True)
-class Slab:
-    """One convex collision shape of a stance: outline (n, 2) counter-clockwise in S, and the heights it spans over the
-    support, so that the lowest slab of a stance begins at 0."""
-
-    outline_m: FloatArray
-    low_m: float
-    high_m: float
-
-
-@dataclass(frozen=True)
-class Stance:
-    """A resting orientation: `quat_wxyz` turns the asset frame; the asset origin is `origin_height_m` over the
-    support."""
-
-    quat_wxyz: tuple[float, float, float, float]
-    slabs: tuple[Slab, ...]
-    origin_height_m: float
-    name: str = "upright"
-
-    @property
-    def height_m(self) -> float:
-        """Height of the highest point over the support."""
-        return max(slab.high_m for slab in self.slabs)
-
-
-@dataclass(frozen=True)
-class Surface:
-    """A polygon in A to stand on; `clearance_m` is the free height over it, inf where the sky is free.
-
-    `above` are slabs of the owner itself over the surface (rims, shelf posts), in A with heights over the surface.
-    """
-
-    name: str
-    polygon: Polygon
-    origin_P_m: FloatArray  # (3,)
-    clearance_m: float = np.inf
-    above: tuple[Slab, ...] = ()
-
-
-@dataclass(frozen=True)
-class Volume:
-    """The inside of a receptacle in A: `layers` are (low, high, polygon) from the floor up; origin on the floor."""
-
-    name: str
-    layers: tuple[tuple[float, float, Polygon], ...]
-    opening: Polygon
-    origin_P_m: FloatArray  # (3,)
-
-    @property
-    def height_m(self) -> float:
-        """Usable height from the floor to the rim."""
-        return self.layers[-1][1]
-
-    @property
-    def level_share(self) -> float:
-        """Area of the floor as a share of the widest layer: 1 between upright walls, near 0 in a bowl."""
-        return self.layers[0][2].area / max(area.area for _, _, area in self.layers)
-
-    @property
-    def is_round(self) -> bool:
-        """Whether contents mostly lean on its walls, which placements here cannot describe."""
-        return self.level_share < LEVEL_SHARE
 
 
 @dataclass(frozen=True)
@@ -97,8 +26,8 @@ class Body:
 
     asset_id: str
     resting_orientations: tuple[Stance, ...]
-    surfaces: tuple[Surface, ...] = ()
-    volumes: tuple[Volume, ...] = ()
+    surfaces: tuple[ScenePlace, ...] = ()
+    volumes: tuple[ScenePlace, ...] = ()
     mass_kg: float | None = None
     package: str | None = None
     scale: float = 1.0
@@ -106,97 +35,28 @@ class Body:
     candidates: tuple[Body, ...] = ()
 
 
-@dataclass(frozen=True)
-class FixedPose:
-    """One complete pose in A: origin of the asset frame at (x, y, z), resting orientation number `stance`, yaw."""
-
-    x_m: float
-    y_m: float
-    z_m: float
-    yaw_rad: float
-    name: str = ""
-    path: Path = ()
-    stance: int = 0
+def level_share(place: ScenePlace) -> float:
+    """Area of the floor of a volume as a share of its widest layer: 1 between upright walls, near 0 in a bowl."""
+    return place.floor.area / max(layer.polygon.area for layer in place.layers)
 
 
-@dataclass(frozen=True)
-class Domain:
-    """Where one thing may be on its place. `fixed_poses`, when given, are the only ones; ranges bound its origin in A.
-
-    `yaw_rad` is (low, high) with high - low <= 2 pi; equal ends fix it. `orientation_indices` number the allowed
-    resting orientations of the body.
-    """
-
-    x_m: tuple[float, float] = (-np.inf, np.inf)
-    y_m: tuple[float, float] = (-np.inf, np.inf)
-    yaw_rad: tuple[float, float] = (-np.pi, np.pi)
-    orientation_indices: tuple[int, ...] = (0,)
-    fixed_poses: tuple[FixedPose, ...] = ()
-    path: Path = ()
+def is_round(place: ScenePlace) -> bool:
+    """Whether contents mostly lean on the walls of a place, which placements here cannot describe."""
+    return place.is_volume and level_share(place) < LEVEL_SHARE
 
 
 @dataclass(frozen=True)
 class Thing:
-    """One placed node: its body, and its place as owner (a thing's name, or WORLD_PARENT) and anchor of that owner."""
+    """One placed node: its body, and its place as owner (a thing's name, or BACKGROUND) and anchor of that owner."""
 
     name: str
     body: Body
     parent: str
-    place: Surface | Volume
+    place: ScenePlace
     domain: Domain
     path: Path
     group: str | None = None
     tags: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class RelationIR:
-    """A relation between things.
-
-    before     the footprint of the first ends before that of the second begins along `direction` (unit, in the frame of
-               the relation, a (2,) vector), by at least `gap_m`: left_of, right_of, front_of, behind all become this.
-    near, far_from   distance of footprints at most or at least `gap_m`.
-    aligned    offset of the origins of all across `direction` at most `tolerance`.
-    facing     +x of the first points at the origin of the second within `tolerance` rad.
-    between    the origin of the first lies between those of the others along their line, within `tolerance` beside it.
-    `frame` is WORLD_PARENT or the thing in whose frame `direction` counts.
-    """
-
-    kind: RelationKind
-    things: tuple[str, ...]
-    direction: tuple[float, float] = (1.0, 0.0)
-    gap_m: float = 0.0
-    tolerance: float = 0.0
-    frame: str = WORLD_PARENT
-    path: Path = ()
-    word: str = ""
-
-    @property
-    def as_written(self) -> tuple[str, ...]:
-        """The things in authored order."""
-        return self.things[::-1] if self.word in ("right_of", "behind") else self.things
-
-
-@dataclass(frozen=True)
-class KeepOutIR:
-    """Part of a place that stays empty up to `height_m` above it: polygon in A. The place may carry nothing else."""
-
-    parent: str
-    place: Surface
-    polygon: Polygon
-    height_m: float
-    path: Path
-
-
-@dataclass(frozen=True)
-class ReachIR:
-    """A ring around `base_m` (3,) in W in which the origins of `members` must lie."""
-
-    base_m: FloatArray
-    least_m: float
-    most_m: float
-    members: tuple[str, ...]
-    path: Path
 
 
 @dataclass(frozen=True)
@@ -207,10 +67,10 @@ class Problem:
     background: Body | None
     X_WB: FloatArray  # (4, 4) background in the world
     things: tuple[Thing, ...]
-    relations: tuple[RelationIR, ...]
+    relations: tuple[SceneRelation, ...]
     clearance_m: float
-    keep_outs: tuple[KeepOutIR, ...] = ()
-    reach: ReachIR | None = None
+    keep_outs: tuple[KeepOutVolume, ...] = ()
+    reach: ReachRing | None = None
     combination: dict[str, str] = field(default_factory=dict)
 
     @cached_property

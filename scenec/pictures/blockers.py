@@ -8,19 +8,14 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import Exhausted, Placement, Problem, Result, Surface, Thing
+from scenec.ir.problem import Exhausted, Placement, Problem, Result, Thing
 from schemas.arrays import FloatArray
 
 
 def owner_parts(problem: Problem, parent: str, anchor: str) -> list[BaseGeometry]:
     """Outlines in A of the parts of the owner above its surface: rims, posts, walls."""
     places = {id(t.place): t.place for t in problem.things if (t.parent, t.place.name) == (parent, anchor)}
-    return [
-        shapely.Polygon(slab.outline_m)
-        for place in places.values()
-        if isinstance(place, Surface)
-        for slab in place.above
-    ]
+    return [shapely.Polygon(prism.outline_m) for place in places.values() for prism in place.above]
 
 
 def obstructing_things(problem: Problem, result: Result, parent: str, anchor: str) -> Iterator[tuple[Thing, Placement]]:
@@ -57,5 +52,5 @@ def footprint_at(thing: Thing, stance: int, yaw_rad: float, at: FloatArray) -> B
     cosine, sine = np.cos(yaw_rad), np.sin(yaw_rad)
     turn = np.array([[cosine, sine], [-sine, cosine]])
     return shapely.union_all(
-        [shapely.Polygon(slab.outline_m @ turn + at) for slab in thing.body.resting_orientations[stance].slabs]
+        [shapely.Polygon(prism.outline_m @ turn + at) for prism in thing.body.resting_orientations[stance].prisms]
     )

@@ -14,7 +14,7 @@ from shapely.affinity import translate
 from shapely.geometry.base import BaseGeometry
 
 from render.figure import png
-from scenec.ir.problem import Exhausted, Infeasible, Path, Problem, RelationIR, Result, Surface, Thing
+from scenec.ir.problem import Exhausted, Infeasible, Path, Problem, Result, Thing
 from scenec.pictures.blockers import footprint, footprint_at, obstructing_things, owner_parts
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations
@@ -23,6 +23,7 @@ from scenec.solve.model import SolverModel, model_of
 from scenec.solve.regions import feasible_region, region_alone
 from scenec.source.tree import written
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import SceneRelation
 
 _CAPTION = 105  # characters a line
 _MOST_LINES = 9
@@ -46,7 +47,7 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = (), chosen
     (parent, anchor), _ = Counter((t.parent, t.place.name) for t in things or problem.things).most_common(1)[0]
     here = [t for t in things or problem.things if (t.parent, t.place.name) == (parent, anchor)]
     place = here[0].place
-    outline = place.polygon if isinstance(place, Surface) else place.opening
+    outline = place.polygon
     bounds = np.array(outline.bounds)
     caption = _caption(problem, result, paths)
     picture, axes = sheet(bounds[:2], bounds[2:], _title(problem, result, chosen), len(caption))
@@ -196,5 +197,5 @@ def _draw_ranges(axes: Axes, thing: Thing) -> None:
         area(axes, shapely.box(*low, *high), order=2.5, facecolor="none", edgecolor=FREE, linestyle="--", linewidth=1.0)
 
 
-def _index(relation: RelationIR) -> object:
+def _index(relation: SceneRelation) -> object:
     return relation.path[-1] if relation.path else None

@@ -13,10 +13,11 @@ from shapely.geometry.base import BaseGeometry
 from geom.pose import matrix_of
 from render.figure import png
 from scenec.emit.scene import world_frames
-from scenec.ir.problem import WORLD_PARENT, Placement, Problem, Slab, Stance, Surface, Thing, Volume
+from scenec.ir.problem import Placement, Problem, Thing
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import BACKGROUND, Prism, ScenePlace, Stance
 
 _MOST_NAMES = 24
 
@@ -49,33 +50,32 @@ def plan(problem: Problem, placements: Mapping[str, Placement], title: str = "")
 
 def footprint(stance: Stance, X_WU: FloatArray) -> BaseGeometry:
     """The union of the outlines of a stance, seen from above in the world."""
-    return shapely.union_all([_turned(shapely.Polygon(slab.outline_m), X_WU) for slab in stance.slabs])
+    return shapely.union_all([_turned(shapely.Polygon(prism.outline_m), X_WU) for prism in stance.prisms])
 
 
-def place_outline(place: Surface | Volume, X_WU: FloatArray) -> BaseGeometry:
+def place_outline(place: ScenePlace, X_WU: FloatArray) -> BaseGeometry:
     """The polygon of a surface, or the floor of a volume, seen from above; `X_WU` is the frame of its owner."""
-    inside = place.polygon if isinstance(place, Surface) else place.layers[0][2]
     moved = np.array(X_WU)
     moved[:3, 3] = (X_WU @ np.append(np.asarray(place.origin_P_m, dtype=np.float64), 1.0))[:3]
-    return _turned(inside, moved)
+    return _turned(place.floor, moved)
 
 
 def world_supports(problem: Problem, frames: Mapping[str, FloatArray]) -> list[BaseGeometry]:
     """Outlines in the world of the places of the background in use, and of the background itself."""
-    used = {t.place.name: t.place for t in problem.things if t.parent == WORLD_PARENT}
-    shapes = [place_outline(place, frames[WORLD_PARENT]) for place in used.values()]
+    used = {t.place.name: t.place for t in problem.things if t.parent == BACKGROUND}
+    shapes = [place_outline(place, frames[BACKGROUND]) for place in used.values()]
     if problem.background is not None:
-        shapes.append(footprint(problem.background.resting_orientations[0], frames[WORLD_PARENT]))
+        shapes.append(footprint(problem.background.resting_orientations[0], frames[BACKGROUND]))
     return shapes
 
 
 def draw_supports(axes: Axes, problem: Problem, frames: Mapping[str, FloatArray]) -> None:
     """The background, its places in use, keep-outs and the reach of the robot."""
     if problem.background is not None:
-        whole = footprint(problem.background.resting_orientations[0], frames[WORLD_PARENT])
+        whole = footprint(problem.background.resting_orientations[0], frames[BACKGROUND])
         area(axes, whole, order=0.5, facecolor="#f7f5f1", edgecolor=EDGE, linewidth=0.8)
-    for place in {t.place.name: t.place for t in problem.things if t.parent == WORLD_PARENT}.values():
-        outline = place_outline(place, frames[WORLD_PARENT])
+    for place in {t.place.name: t.place for t in problem.things if t.parent == BACKGROUND}.values():
+        outline = place_outline(place, frames[BACKGROUND])
         area(axes, outline, order=1.0, facecolor=SUPPORT, edgecolor=EDGE, linewidth=1.2)
     for rule in problem.keep_outs:
         if rule.parent in frames:
@@ -140,11 +140,11 @@ def _depth(thing: Thing, problem: Problem) -> int:
 
 def _top(thing: Thing, placements: Mapping[str, Placement], frames: Mapping[str, FloatArray]) -> float:
     stance = thing.body.resting_orientations[placements[thing.name].stance]
-    return float(frames[thing.name][2, 3]) - stance.origin_height_m + max(_highs(stance.slabs))
+    return float(frames[thing.name][2, 3]) - stance.origin_height_m + max(_highs(stance.prisms))
 
 
-def _highs(slabs: tuple[Slab, ...]) -> list[float]:
-    return [slab.high_m for slab in slabs]
+def _highs(prisms: tuple[Prism, ...]) -> list[float]:
+    return [prism.high_m for prism in prisms]
 
 
 def _turned(shape: BaseGeometry, X_WU: FloatArray) -> BaseGeometry:

@@ -7,16 +7,16 @@ from itertools import pairwise
 
 from matplotlib.axes import Axes
 
-from scenec.ir.problem import RelationIR
 from scenec.pictures.canvas import arrow
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import SceneRelation
 
 
 def draw_relations(
     axes: Axes,
-    relations: Iterable[RelationIR],
+    relations: Iterable[SceneRelation],
     at: Mapping[str, FloatArray],
-    colour_of: Callable[[RelationIR], str],
+    colour_of: Callable[[SceneRelation], str],
     *,
     order: float,
     numbered: bool = False,

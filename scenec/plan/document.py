@@ -6,38 +6,25 @@ import hashlib
 import json
 from collections.abc import Collection, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
-from math import inf, isfinite
 from pathlib import Path
-
-import numpy as np
-import shapely
-from shapely import Polygon
 
 from scenec.check.judge_plan import judge
 from scenec.ir.names import Names
-from scenec.ir.problem import Body, Problem, Slab, Solved, Stance, Surface, Thing, Volume
+from scenec.ir.problem import Body, Problem, Solved
 from scenec.plan.pools import PoolKey, plan_pools
 from scenec.solve.model import SolverModel, model_of, owner_first
-from schemas.scene.compiled import Prism
-from schemas.scene.program import PairedMaterial, SceneProgram
-from schemas.scene.runtime_plan import (
-    PlanBody,
-    PlanCombination,
-    PlanKeepOut,
-    PlanLayer,
-    PlanPlace,
-    PlanPolygon,
-    PlanPool,
-    PlanProvenance,
-    PlanReach,
-    PlanRelation,
-    PlanSpot,
-    PlanStance,
-    PlanThing,
-    RuntimePlan,
+from schemas.scene.geometry import ScenePlace
+from schemas.scene.plan_geometry import (
+    written_keep_out,
+    written_place,
+    written_reach,
+    written_relation,
+    written_stance,
+    written_thing,
 )
+from schemas.scene.program import PairedMaterial, SceneProgram
+from schemas.scene.runtime_plan import PlanBody, PlanCombination, PlanPool, PlanProvenance, RuntimePlan
 
-_DIGITS = 9  # nanometres
 _MARK = "\x01"  # occurs in no name
 
 
@@ -115,35 +102,26 @@ def _combination(
     places = _places(problem, base)
     number = {key: k for k, key in enumerate(places)}
     things = [base.things[name] for name in owner_first(base.things)]
-    reach = problem.reach
     return PlanCombination(
         combination=problem.combination,
         background=None if problem.background is None else bodies.number(problem.background),
         X_WB=tuple(tuple(float(v) for v in row) for row in problem.X_WB),  # pyright: ignore[reportArgumentType]
-        places=tuple((owner, _place(place)) for (owner, _), place in places.items()),
-        things=tuple(_thing(thing, number[thing.parent, thing.place.name], bodies) for thing in things),
+        places=tuple((owner, written_place(place)) for (owner, _), place in places.items()),
+        things=tuple(
+            written_thing(
+                thing.name,
+                thing.domain,
+                [bodies.number(body) for body in thing.body.candidates or (thing.body,)],
+                thing.parent,
+                number[thing.parent, thing.place.name],
+                thing.tags,
+            )
+            for thing in things
+        ),
         pools=pools,
-        relations=tuple(
-            PlanRelation(
-                kind=rule.kind,
-                things=rule.things,
-                direction=rule.direction,
-                gap_m=rule.gap_m,
-                tolerance=rule.tolerance,
-                frame=rule.frame,
-                word=rule.word,
-            )
-            for rule in problem.relations
-        ),
-        keep_outs=tuple(
-            PlanKeepOut(
-                place=number[k.parent, k.place.name], polygon=_polygon(k.polygon), height_m=_finite(k.height_m) or 1e3
-            )
-            for k in problem.keep_outs
-        ),
-        reach=None
-        if reach is None
-        else PlanReach(base_m=_three(reach.base_m), least_m=reach.least_m, most_m=reach.most_m, members=reach.members),
+        relations=tuple(map(written_relation, problem.relations)),
+        keep_outs=tuple(written_keep_out(rule, number[rule.parent, rule.place.name]) for rule in problem.keep_outs),
+        reach=None if problem.reach is None else written_reach(problem.reach),
         materials=tuple(material.id for material in program.variants.materials),
         lighting=tuple(lighting.id for lighting in program.variants.lighting),
     )
@@ -180,7 +158,7 @@ class PlanBodies:
             scale=body.scale,
             mass_kg=body.mass_kg,
             primitive=body.inline,  # pyright: ignore[reportArgumentType]
-            stances=tuple(_stance(stance) for stance in body.resting_orientations),
+            stances=tuple(written_stance(stance) for stance in body.resting_orientations),
         )
         if plan_body not in self._number:
             self._number[plan_body] = len(self.plan_bodies)
@@ -193,88 +171,10 @@ class PlanBodies:
         return hashlib.sha256((self.packages / package / "record.json").read_bytes()).hexdigest()
 
 
-def _stance(stance: Stance) -> PlanStance:
-    return PlanStance(
-        name=stance.name,
-        quat_wxyz=stance.quat_wxyz,
-        origin_height_m=round(stance.origin_height_m, _DIGITS),
-        prisms=tuple(_prism(slab) for slab in stance.slabs),
-    )
-
-
-def _prism(slab: Slab) -> Prism:
-    return Prism(
-        outline_m=_points(slab.outline_m), low_m=round(slab.low_m, _DIGITS), high_m=round(slab.high_m, _DIGITS)
-    )
-
-
-def _points(points: np.ndarray) -> tuple[tuple[float, float], ...]:
-    return tuple((round(float(x), _DIGITS) + 0.0, round(float(y), _DIGITS) + 0.0) for x, y in points)
-
-
-def _three(point: np.ndarray) -> tuple[float, float, float]:
-    x, y, z = (float(v) for v in point)
-    return x, y, z
-
-
-def _polygon(area: Polygon) -> PlanPolygon:
-    area = shapely.orient_polygons(area)
-    rings = [_points(np.asarray(ring.coords)[:-1]) for ring in (area.exterior, *area.interiors)]
-    return PlanPolygon(outline_m=rings[0], holes_m=tuple(rings[1:]))
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if isfinite(value) else None
-
-
-def _place(place: Surface | Volume) -> PlanPlace:
-    if isinstance(place, Volume):
-        layers = tuple(PlanLayer(low_m=low, high_m=high, polygon=_polygon(area)) for low, high, area in place.layers)
-        return PlanPlace(
-            name=place.name, kind="volume", origin_m=_three(place.origin_P_m), layers=layers, height_m=place.height_m
-        )
-    return PlanPlace(
-        name=place.name,
-        kind="surface",
-        origin_m=_three(place.origin_P_m),
-        polygon=_polygon(place.polygon),
-        height_m=_finite(place.clearance_m),
-        above=tuple(_prism(slab) for slab in place.above),
-    )
-
-
-def _places(problem: Problem, model: SolverModel) -> dict[tuple[str, str], Surface | Volume]:
+def _places(problem: Problem, model: SolverModel) -> dict[tuple[str, str], ScenePlace]:
     things = (model.things[name] for name in owner_first(model.things))
     used = {(thing.parent, thing.place.name): thing.place for thing in things}
     return used | {(k.parent, k.place.name): k.place for k in problem.keep_outs if (k.parent, k.place.name) not in used}
-
-
-def _thing(thing: Thing, place: int, bodies: PlanBodies) -> PlanThing:
-    domain = thing.domain
-    return PlanThing(
-        id=thing.name,
-        bodies=tuple(bodies.number(body) for body in thing.body.candidates or (thing.body,)),
-        parent=thing.parent,
-        place=place,
-        x_m=_range(domain.x_m),
-        y_m=_range(domain.y_m),
-        yaw_rad=_range(domain.yaw_rad),
-        stances=domain.orientation_indices,
-        spots=tuple(
-            PlanSpot(
-                position_m=(fixed_pose.x_m, fixed_pose.y_m, fixed_pose.z_m),
-                yaw_rad=fixed_pose.yaw_rad,
-                stance=fixed_pose.stance,
-            )
-            for fixed_pose in domain.fixed_poses
-        ),
-        semantic_tags=thing.tags,
-    )
-
-
-def _range(span: tuple[float, float]) -> tuple[float, float] | None:
-    low, high = span
-    return None if low == -inf and high == inf else (max(low, -1e3), min(high, 1e3))
 
 
 def _version() -> str:

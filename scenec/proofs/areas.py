@@ -14,9 +14,9 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.ir.problem import Problem, Proof, Thing, Volume
+from scenec.ir.problem import Problem, Proof, Thing
 from scenec.proofs.outlines import hull, support_bounds
-from scenec.proofs.places import area, headroom
+from scenec.proofs.places import area
 
 Rectangle = tuple[float, float, float, float]
 
@@ -37,7 +37,7 @@ def more_area_than_there_is(problem: Problem) -> Proof | None:
 def _side_by_side(things: list[Thing]) -> list[Thing]:
     """Things of which no two can overlap in the plane: all on a surface; in a volume those too high to stack."""
     place = things[0].place
-    if not isinstance(place, Volume):
+    if not place.is_volume:
         return things
     height = {
         thing.name: min(thing.body.resting_orientations[k].height_m for k in thing.domain.orientation_indices)
@@ -45,7 +45,7 @@ def _side_by_side(things: list[Thing]) -> list[Thing]:
     }
     side_by_side: list[Thing] = []
     for thing in sorted(things, key=lambda thing: -height[thing.name]):
-        if side_by_side and height[side_by_side[-1].name] + height[thing.name] <= headroom(place) + 1e-5:
+        if side_by_side and height[side_by_side[-1].name] + height[thing.name] <= place.height_m + 1e-5:
             break
         side_by_side.append(thing)
     return side_by_side
@@ -70,7 +70,7 @@ def _covered(thing: Thing) -> Rectangle:
     """The rectangle in A that contains the footprint by its ranges."""
     extents = [
         [
-            support_bounds(hull(thing.body.resting_orientations[k].slabs), axis, thing.domain.yaw_rad)[1]
+            support_bounds(hull(thing.body.resting_orientations[k].prisms), axis, thing.domain.yaw_rad)[1]
             for k in thing.domain.orientation_indices
         ]
         for axis in np.array([[-1.0, 0.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
@@ -102,5 +102,7 @@ def _over_full(problem: Problem, things: list[Thing], stretch: Polygon | None) -
 
 def _grown_area(thing: Thing, stance: int, half_m: float) -> float:
     """Area of the whole footprint grown by half the clearance, from below (arcs are replaced by chords)."""
-    footprint = shapely.union_all([Polygon(slab.outline_m) for slab in thing.body.resting_orientations[stance].slabs])
+    footprint = shapely.union_all(
+        [Polygon(prism.outline_m) for prism in thing.body.resting_orientations[stance].prisms]
+    )
     return float(footprint.buffer(half_m, quad_segs=8).area)

@@ -13,12 +13,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from geom.planar import turned
-from scenec.ir.problem import WORLD_PARENT, Path, Problem, Proof, RelationIR, Thing
+from scenec.ir.problem import Path, Problem, Proof, Thing
+from scenec.proofs.constraints import BEGIN, END, ORIGIN
 from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, hull, least_width, resting_orientations, support_bounds
 from scenec.proofs.places import area_hull, background_yaw
+from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray
-
-BEGIN, ORIGIN, END = 0, 1, 2
+from schemas.scene.geometry import BACKGROUND, SceneRelation
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class DifferenceConstraints:
 def too_long_along_an_axis(problem: Problem) -> Proof | None:
     """A proof when the constraints along some direction of some frame contradict each other."""
     yaws = {
-        root: yaw_ranges(problem, root) for root in dict.fromkeys([WORLD_PARENT, *(t.parent for t in problem.things)])
+        root: yaw_ranges(problem, root) for root in dict.fromkeys([BACKGROUND, *(t.parent for t in problem.things)])
     }
     for root, yaw_range_of in yaws.items():
         for direction in _directions(problem, yaw_range_of):
@@ -85,9 +86,8 @@ def _directions(problem: Problem, yaw_range_of: dict[str, YawCell]) -> list[Floa
     """The axes of the frame and the directions of relations in it, each once regardless of sign."""
     candidates = [np.array([1.0, 0.0]), np.array([0.0, 1.0])]
     for relation in problem.relations:
-        if relation.kind in ("before", "aligned") and (turn := _fixed(relation.frame, yaw_range_of)) is not None:
-            along = turned(np.array([relation.direction]), turn)[0]
-            candidates.append(along if relation.kind == "before" else np.array([-along[1], along[0]]))
+        if (along := _along(relation, yaw_range_of)) is not None:
+            candidates += RELATIONS[relation.kind].difference_axes(relation, along)
     directions: list[FloatArray] = []
     for direction in candidates:
         if all(abs(direction @ other) < 1.0 - 1e-12 for other in directions):
@@ -98,6 +98,12 @@ def _directions(problem: Problem, yaw_range_of: dict[str, YawCell]) -> list[Floa
 def _fixed(frame: str, yaw_range_of: dict[str, YawCell]) -> float | None:
     low, high = yaw_range_of.get(frame, (0.0, np.inf))
     return low if high - low < 1e-9 else None
+
+
+def _along(relation: SceneRelation, yaw_range_of: dict[str, YawCell]) -> FloatArray | None:
+    """The direction of a relation in the frame of the root, None where it is not fixed."""
+    turn = _fixed(relation.frame, yaw_range_of)
+    return None if turn is None else turned(np.array([relation.direction]), turn)[0]
 
 
 def _system(problem: Problem, root: str, yaw_range_of: dict[str, YawCell], d: FloatArray) -> DifferenceConstraints:
@@ -113,7 +119,7 @@ def _system(problem: Problem, root: str, yaw_range_of: dict[str, YawCell], d: Fl
     for relation in problem.relations:
         if all(name in node and name != root for name in relation.things):
             _relation_differences(system, relation, node, yaw_range_of, d)
-    if root == WORLD_PARENT and problem.reach is not None:
+    if root == BACKGROUND and problem.reach is not None:
         base = turned((problem.reach.base_m - problem.X_WB[:3, 3])[None, :2], -background_yaw(problem))[0]
         reason = DifferenceReason("reach", "within reach", problem.reach.path)
         for name in related.intersection(problem.reach.members):
@@ -142,7 +148,7 @@ def _own_differences(
         node[thing.name],
         DifferenceReason("width", f"{thing.name} is that wide", thing.path),
     )
-    outlines = [hull(stance.slabs) for stance in resting_orientations(thing)]
+    outlines = [hull(stance.prisms) for stance in resting_orientations(thing)]
     front_low, front_high, back_low, back_high = np.array([support_bounds(outline, d, yaw) for outline in outlines]).T
     width = min(least_width(outline, d, yaw) for outline in outlines)
     system.add_lower_bound(at + BEGIN, at + END, width, reason)
@@ -195,7 +201,7 @@ def _place_differences(
 
 def _relation_differences(
     system: DifferenceConstraints,
-    relation: RelationIR,
+    relation: SceneRelation,
     node: dict[str, int],
     yaw_range_of: dict[str, YawCell],
     d: FloatArray,
@@ -203,23 +209,10 @@ def _relation_differences(
     text = f"{relation.word or relation.kind}: [{', '.join(relation.as_written)}]"
     reason = DifferenceReason("relation", text, relation.path)
     at = [node[name] for name in relation.things]
-    if relation.kind == "near":
-        system.add_lower_bound(at[0] + BEGIN, at[1] + END, -relation.gap_m, reason)
-        system.add_lower_bound(at[1] + BEGIN, at[0] + END, -relation.gap_m, reason)
-    turn = _fixed(relation.frame, yaw_range_of)
-    if turn is None or relation.kind not in ("before", "aligned"):
-        return
-    cosine = float(turned(np.array([relation.direction]), turn)[0] @ d)
-    if relation.kind == "before" and abs(cosine) > 1.0 - 1e-12:
-        if cosine > 0.0:
-            system.add_lower_bound(at[0] + END, at[1] + BEGIN, relation.gap_m, reason)
-        else:
-            system.add_lower_bound(at[1] + END, at[0] + BEGIN, relation.gap_m, reason)
-    if relation.kind == "aligned" and abs(cosine) < 1e-6:
-        for one in at:
-            for two in at:
-                if one != two:
-                    system.add_lower_bound(one + ORIGIN, two + ORIGIN, -relation.tolerance, reason)
+    for u, point_u, v, point_v, least_m in RELATIONS[relation.kind].differences(
+        relation, _along(relation, yaw_range_of), d
+    ):
+        system.add_lower_bound(at[u] + point_u, at[v] + point_v, least_m, reason)
 
 
 def positive_cycle(system: DifferenceConstraints) -> list[int] | None:

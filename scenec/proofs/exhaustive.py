@@ -17,12 +17,15 @@ import numpy as np
 import shapely
 from scipy.optimize import linprog
 
-from scenec.ir.problem import Problem, Proof, Stance, Thing
+from scenec.ir.problem import Problem, Proof, Thing
+from scenec.proofs.constraints import LinearConstraint, NodePose
 from scenec.proofs.fits import fixed_pose_usable
-from scenec.proofs.node_conditions import FAR_M, BranchNode, Disjunction, LinearConstraint, NodeConditions, NodePose
+from scenec.proofs.node_conditions import FAR_M, BranchNode, Disjunction, NodeConditions
 from scenec.proofs.outlines import OUTLINE_SLACK_M, SMALLEST_CELL_RAD, YawCell, hull, period
 from scenec.proofs.places import PlacementBounds, fits_height, free_region, max_base_height, placement_bounds
+from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import Stance
 
 MOST_THINGS = 5
 MOST_START_NODES = 64
@@ -132,9 +135,9 @@ class BranchAndBound:
         """Yaw intervals at which the thing alone has a free region, adjacent ones joined; one period of a symmetric
         outline."""
         low, high = thing.domain.yaw_rad
-        turns = any(r.kind == "facing" and r.things[0] == thing.name for r in self.conditions.relations)
-        if not turns and len(stance.slabs) == 1:
-            high = min(high, low + period(hull(stance.slabs)))
+        turns = any(RELATIONS[r.kind].heading_matters(r, thing.name) for r in self.conditions.relations)
+        if not turns and len(stance.prisms) == 1:
+            high = min(high, low + period(hull(stance.prisms)))
         if high - low < 1e-9:
             return [(low, high)]
         count = max(1, int(np.ceil((high - low) / COARSE_CELL_RAD - 1e-9)))

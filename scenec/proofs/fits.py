@@ -11,9 +11,10 @@ import shapely
 from shapely import Polygon
 
 from geom.planar import turned
-from scenec.ir.problem import FixedPose, Path, Problem, Proof, Stance, Surface, Thing
+from scenec.ir.problem import Path, Problem, Proof, Thing
 from scenec.proofs.outlines import OUTLINE_SLACK_M, SMALLEST_CELL_RAD, YawCell, hull
-from scenec.proofs.places import PlacementBounds, area, fits_height, free_region, headroom, placement_bounds
+from scenec.proofs.places import PlacementBounds, area, fits_height, free_region, placement_bounds
+from schemas.scene.geometry import FixedPose, Stance
 
 
 def no_place_of_its_own(problem: Problem) -> Proof | None:
@@ -31,7 +32,7 @@ def _too_high(thing: Thing) -> Proof | None:
     resting_orientations = [thing.body.resting_orientations[k] for k in thing.domain.orientation_indices]
     if any(fits_height(thing, stance) for stance in resting_orientations) or thing.domain.fixed_poses:
         return None
-    least, most = min(stance.height_m for stance in resting_orientations), headroom(thing.place)
+    least, most = min(stance.height_m for stance in resting_orientations), thing.place.height_m
     text = f"{thing.name} is {least:.4g} m high at least; {thing.place.name} of {thing.parent} has {most:.4g} m"
     return Proof("empty-region", text, least, most, "m", (thing.path,))
 
@@ -47,7 +48,7 @@ def _no_region(problem: Problem, thing: Thing) -> Proof | None:
             placement_bounds(problem, thing, stance), thing.domain.yaw_rad
         ):
             return None
-    narrow = min(float(np.ptp(hull(stance.slabs), axis=0).min()) for stance in tried)
+    narrow = min(float(np.ptp(hull(stance.prisms), axis=0).min()) for stance in tried)
     size = shapely.get_coordinates(shapely.minimum_rotated_rectangle(area(thing.place)))
     wide = float(np.hypot(*(size[1:3] - size[:2]).T).min())
     rules = tuple(r.path for r in problem.keep_outs if (r.parent, r.place.name) == (thing.parent, thing.place.name))
@@ -60,11 +61,11 @@ def _plainly(problem: Problem, thing: Thing, stance: Stance) -> bool:
     """Whether it fits in the middle of its ranges or place: a fast sufficient test for the usual case."""
     place, reach = thing.place, problem.reach
     bounded = any((rule.parent, rule.place.name) == (thing.parent, place.name) for rule in problem.keep_outs)
-    if bounded or not isinstance(place, Surface) or place.above or (reach and thing.name in reach.members):
+    if bounded or place.is_volume or place.above or (reach and thing.name in reach.members):
         return False
     ranges, middle = np.array([thing.domain.x_m, thing.domain.y_m]), shapely.get_coordinates(place.polygon.centroid)[0]
     at = np.clip(middle, ranges[:, 0], ranges[:, 1])
-    outline = turned(hull(stance.slabs), (thing.domain.yaw_rad[0] + thing.domain.yaw_rad[1]) / 2.0)
+    outline = turned(hull(stance.prisms), (thing.domain.yaw_rad[0] + thing.domain.yaw_rad[1]) / 2.0)
     return place.polygon.covers(Polygon(outline + at))
 
 
@@ -103,19 +104,19 @@ def fixed_pose_usable(problem: Problem, thing: Thing, fixed_pose: FixedPose) -> 
     """Whether one fixed pose is valid without all other things. True when in doubt."""
     stance = thing.body.resting_orientations[fixed_pose.stance]
     base = fixed_pose.z_m - stance.origin_height_m
-    if base + stance.height_m > headroom(thing.place) + OUTLINE_SLACK_M:
+    if base + stance.height_m > thing.place.height_m + OUTLINE_SLACK_M:
         return False
     origin = np.array([fixed_pose.x_m, fixed_pose.y_m])
-    outlines = [Polygon(turned(slab.outline_m, fixed_pose.yaw_rad) + origin) for slab in stance.slabs]
-    if isinstance(thing.place, Surface) and abs(base) <= OUTLINE_SLACK_M:
+    outlines = [Polygon(turned(prism.outline_m, fixed_pose.yaw_rad) + origin) for prism in stance.prisms]
+    if not thing.place.is_volume and abs(base) <= OUTLINE_SLACK_M:
         allowed = thing.place.polygon.buffer(OUTLINE_SLACK_M, join_style="mitre")
         if not all(allowed.covers(outline) for outline in outlines):
             return False
     for rule in problem.keep_outs:
         if (rule.parent, rule.place.name) == (thing.parent, thing.place.name):
             inner = rule.polygon.buffer(-OUTLINE_SLACK_M, join_style="mitre")
-            for slab, outline in zip(stance.slabs, outlines, strict=True):
-                entered = min(base + slab.high_m, rule.height_m) - max(base + slab.low_m, 0.0) > OUTLINE_SLACK_M
+            for prism, outline in zip(stance.prisms, outlines, strict=True):
+                entered = min(base + prism.high_m, rule.height_m) - max(base + prism.low_m, 0.0) > OUTLINE_SLACK_M
                 if entered and outline.intersection(inner).area > OUTLINE_SLACK_M:
                     return False
     ring = placement_bounds(problem, thing, stance).ring

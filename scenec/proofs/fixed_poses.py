@@ -12,9 +12,10 @@ import networkx as nx
 import numpy as np
 
 from geom.planar import turned
-from scenec.ir.problem import FixedPose, Problem, Proof, Thing
+from scenec.ir.problem import Problem, Proof, Thing
 from scenec.proofs.fits import fixed_pose_usable
 from scenec.proofs.outlines import OUTLINE_SLACK_M, hull, resting_orientations
+from schemas.scene.geometry import FixedPose
 
 Position = tuple[str, str, float, float, float]
 
@@ -77,8 +78,8 @@ def _overlap(one: Thing, two: Thing, position: Position, usable: dict[str, dict[
     if min(high for _, high in spans) - max(low for low, _ in spans) <= OUTLINE_SLACK_M:
         return False
     return all(
-        _covers_origin(hull(thing.body.resting_orientations[k].slabs), fixed_pose.yaw_rad)
-        and len(thing.body.resting_orientations[k].slabs) == 1
+        _covers_origin(hull(thing.body.resting_orientations[k].prisms), fixed_pose.yaw_rad)
+        and len(thing.body.resting_orientations[k].prisms) == 1
         for thing in (one, two)
         for k in thing.domain.orientation_indices
         for fixed_pose in usable[thing.name][position]

@@ -17,41 +17,17 @@ import shapely
 from shapely import Polygon
 
 from geom.planar import turned
-from scenec.ir.problem import Problem, RelationIR, Stance, Thing
-from scenec.proofs.outlines import OUTLINE_SLACK_M, TURN, YawCell, half_planes, hull, kernel, support_bounds
-from scenec.proofs.places import PlacementBounds, forbidden, linear_bounds, minkowski, ring_of
+from scenec.ir.problem import Problem, Thing
+from scenec.proofs.constraints import LinearConstraint, NodePose
+from scenec.proofs.outlines import OUTLINE_SLACK_M, TURN, half_planes, kernel
+from scenec.proofs.places import forbidden, linear_bounds, minkowski, ring_of
+from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import SceneRelation, Stance
 
 DISC_SIDES = 8
 FAR_M = 1e3
 KEPT_SHAPE = 0.005
-
-
-@dataclass(frozen=True)
-class NodePose:
-    """Pose of one thing at a node: its orientation, interval of yaws in A, range of heights of its lowest point over
-    the place; `at` is its origin in A at a fixed pose."""
-
-    stance: Stance
-    yaw: YawCell
-    bounds: PlacementBounds
-    base_m: tuple[float, float]
-    at: FloatArray | None = None
-
-    @property
-    def key(self) -> tuple:
-        """Identifies it among the poses of one thing."""
-        return (self.yaw, self.stance.quat_wxyz, None if self.at is None else tuple(self.at.tolist()))
-
-
-@dataclass(frozen=True)
-class LinearConstraint:
-    """normal @ (p_second - p_first) <= bound over origins in P; first or second is -1 for the owner's own origin."""
-
-    first: int
-    second: int
-    normal: tuple[float, float]
-    bound: float
 
 
 @dataclass(frozen=True)
@@ -109,27 +85,12 @@ class NodeConditions:
             rows += self._relation_rows(node, relation)
         return rows
 
-    def _relation_rows(self, node: BranchNode, relation: RelationIR) -> list[LinearConstraint]:
+    def _relation_rows(self, node: BranchNode, relation: SceneRelation) -> list[LinearConstraint]:
         at = [self.index[name] for name in relation.things]
-        if relation.kind == "near":
-            return [self._near(node, at[0], at[1], angle, relation.gap_m) for angle in np.arange(16) * (TURN / 16)]
-        if relation.kind == "facing":
-            return self._facing(node, at[0], at[1], relation.tolerance)
         turn = self._frame(node, relation.frame)
-        if turn is None:
-            return []
-        along = turned(np.array([relation.direction]), turn)[0]
-        if relation.kind == "before":
-            front = support_bounds(hull(node.poses[at[0]].stance.slabs), along, node.poses[at[0]].yaw)[0]
-            back = support_bounds(hull(node.poses[at[1]].stance.slabs), along, node.poses[at[1]].yaw)[2]
-            return [
-                LinearConstraint(at[0], at[1], (-along[0], -along[1]), OUTLINE_SLACK_M - relation.gap_m - front - back)
-            ]
-        if relation.kind == "aligned":
-            across = (-float(along[1]), float(along[0]))
-            both = [(one, two) for one in at for two in at if one != two]
-            return [LinearConstraint(one, two, across, relation.tolerance + OUTLINE_SLACK_M) for one, two in both]
-        return []
+        along = None if turn is None else turned(np.array([relation.direction]), turn)[0]
+        poses = [node.poses[k] for k in at]
+        return list(RELATIONS[relation.kind].linear_rows(relation, at, poses, along))
 
     def _frame(self, node: BranchNode, frame: str) -> float | None:
         """Yaw in P of the frame of a relation, None where it is not fixed."""
@@ -139,27 +100,6 @@ class NodeConditions:
             low, high = node.poses[self.index[frame]].yaw
             return low if high - low < 1e-9 else None
         return None
-
-    def _near(self, node: BranchNode, one: int, two: int, angle: float, gap_m: float) -> LinearConstraint:
-        normal = np.array([np.cos(angle), np.sin(angle)])
-        front = support_bounds(hull(node.poses[one].stance.slabs), normal, node.poses[one].yaw)[1]
-        back = support_bounds(hull(node.poses[two].stance.slabs), normal, node.poses[two].yaw)[3]
-        return LinearConstraint(one, two, (float(normal[0]), float(normal[1])), gap_m + front + back + OUTLINE_SLACK_M)
-
-    def _facing(self, node: BranchNode, one: int, two: int, tolerance: float) -> list[LinearConstraint]:
-        """The second origin lies in the wedge swept by the front of the first, if that is narrower than pi."""
-        w, x, y, z = node.poses[one].stance.quat_wxyz
-        low, high = node.poses[one].yaw
-        front = np.arctan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
-        half = (high - low) / 2.0 + tolerance + OUTLINE_SLACK_M
-        if half >= np.pi / 2.0:
-            return []
-        middle = front + (low + high) / 2.0
-        rows = []
-        for sign in (1.0, -1.0):
-            angle = middle + sign * (half + np.pi / 2.0)
-            rows.append(LinearConstraint(one, two, (float(np.cos(angle)), float(np.sin(angle))), OUTLINE_SLACK_M))
-        return rows
 
     def disjunctions(self, node: BranchNode) -> list[Disjunction]:
         """Disjunctions that must hold at a node."""
@@ -178,10 +118,13 @@ class NodeConditions:
             disjunctions += self._apart(node, one, two, self.problem.clearance_m, "apart")
         for n, relation in enumerate(self.relations):
             at = [self.index[name] for name in relation.things]
-            if relation.kind == "far_from":
-                disjunctions += self._apart(node, at[0], at[1], relation.gap_m, f"far {n}")
-            if relation.kind == "between":
-                disjunctions.append(self._between(n, at, relation.tolerance))
+            meaning = RELATIONS[relation.kind]
+            if (least_m := meaning.least_distance_m(relation)) is not None:
+                disjunctions += self._apart(node, at[0], at[1], least_m, f"far {n}")
+            disjunctions += [
+                Disjunction((relation.kind, n, k), tuple(at), options)
+                for k, options in enumerate(meaning.disjunctions(relation, at))
+            ]
         return disjunctions
 
     def _apart(self, node: BranchNode, one: int, two: int, gap_m: float, word: str) -> list[Disjunction]:
@@ -243,26 +186,11 @@ class NodeConditions:
             self.reached[key] = (region if len(region) else np.zeros((1, 2))) + self.corner[k]
         return self.reached[key]
 
-    def _between(self, n: int, at: list[int], tolerance: float) -> Disjunction:
-        """The first origin lies in the box of the two others, grown by the tolerance, in one of their four orders."""
-        a, b, c = at
-        options = []
-        for x, y in product((1.0, -1.0), repeat=2):
-            rows = []
-            for normal in ((-x, 0.0), (0.0, -y)):
-                rows += [
-                    LinearConstraint(b, c, normal, OUTLINE_SLACK_M),
-                    LinearConstraint(b, a, normal, tolerance + OUTLINE_SLACK_M),
-                    LinearConstraint(a, c, normal, tolerance + OUTLINE_SLACK_M),
-                ]
-            options.append(tuple(rows))
-        return Disjunction(("between", n), tuple(at), tuple(options))
-
 
 def _pieces(stance: Stance) -> list[tuple[int, FloatArray]]:
     """The two largest outlines of an orientation: any subset gives valid conditions."""
-    order = sorted(range(len(stance.slabs)), key=lambda k: -Polygon(stance.slabs[k].outline_m).area)
-    return [(k, stance.slabs[k].outline_m) for k in order[:2]]
+    order = sorted(range(len(stance.prisms)), key=lambda k: -Polygon(stance.prisms[k].outline_m).area)
+    return [(k, stance.prisms[k].outline_m) for k in order[:2]]
 
 
 def _fewer_corners(ring: FloatArray) -> FloatArray:

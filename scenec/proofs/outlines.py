@@ -14,8 +14,9 @@ import shapely
 from shapely import MultiPoint
 
 from geom.planar import inner_radius, turned
-from scenec.ir.problem import Slab, Stance, Thing
+from scenec.ir.problem import Thing
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import Prism, Stance
 
 TURN = 2.0 * np.pi
 OUTLINE_SLACK_M = 2e-6
@@ -32,9 +33,9 @@ def _hull(key: bytes) -> FloatArray:
     return ring if area > 0.0 else ring[::-1].copy()
 
 
-def hull(slabs: tuple[Slab, ...]) -> FloatArray:
+def hull(prisms: tuple[Prism, ...]) -> FloatArray:
     """Convex hull (n, 2) of the outlines, counter-clockwise."""
-    return _hull(np.ascontiguousarray(np.concatenate([slab.outline_m for slab in slabs])).tobytes())
+    return _hull(np.ascontiguousarray(np.concatenate([prism.outline_m for prism in prisms])).tobytes())
 
 
 def resting_orientations(thing: Thing) -> tuple[Stance, ...]:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import networkx as nx
 
-from scenec.ir.problem import WORLD_PARENT, Problem, Proof
+from scenec.ir.problem import Problem, Proof
+from schemas.scene.geometry import BACKGROUND
 
 
 def no_first_owner(problem: Problem) -> Proof | None:
     """A proof when the chain of owners of some thing does not end in the background."""
     by_name = {thing.name: thing for thing in problem.things}
     for thing in problem.things:
-        if thing.parent != WORLD_PARENT and thing.parent not in by_name:
+        if thing.parent != BACKGROUND and thing.parent not in by_name:
             text = f"{thing.name} stands on {thing.parent}, which is not in the scene"
             return Proof("missing-anchor", text, 0.0, 1.0, "owners", (thing.path,))
-    carried = [(thing.name, thing.parent) for thing in problem.things if thing.parent != WORLD_PARENT]
+    carried = [(thing.name, thing.parent) for thing in problem.things if thing.parent != BACKGROUND]
     if not carried:
         return None
     try:

@@ -14,9 +14,10 @@ import shapely
 from shapely import Polygon
 
 from geom.planar import turned
-from scenec.ir.problem import WORLD_PARENT, Problem, Stance, Surface, Thing, Volume
+from scenec.ir.problem import Problem, Thing
 from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, half_planes, hull, kernel, support_bounds
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import BACKGROUND, ScenePlace, Stance
 
 RING_SIDES = 24
 LEAST_AREA_M2 = 1e-8
@@ -40,12 +41,12 @@ def background_yaw(problem: Problem) -> float:
     return float(np.arctan2(problem.X_WB[1, 0], problem.X_WB[0, 0]))
 
 
-def area(place: Surface | Volume) -> shapely.Geometry:
+def area(place: ScenePlace) -> shapely.Geometry:
     """The area in A that footprints in the place may cover (the union of the layers of a volume)."""
-    return place.polygon if isinstance(place, Surface) else shapely.union_all([layer[2] for layer in place.layers])
+    return shapely.union_all([layer.polygon for layer in place.layers]) if place.is_volume else place.polygon
 
 
-def area_hull(place: Surface | Volume) -> FloatArray:
+def area_hull(place: ScenePlace) -> FloatArray:
     """Convex hull of `area`, counter-clockwise (n, 2)."""
     return ring_of(shapely.convex_hull(area(place)))
 
@@ -55,19 +56,14 @@ def ring_of(convex: shapely.Geometry) -> FloatArray:
     return shapely.get_coordinates(shapely.orient_polygons(convex))[:-1]
 
 
-def headroom(place: Surface | Volume) -> float:
-    """Greatest possible height (m) of a thing on the place."""
-    return place.clearance_m if isinstance(place, Surface) else place.height_m
-
-
 def fits_height(thing: Thing, stance: Stance) -> bool:
     """Whether an orientation is low enough for the clearance or rim."""
-    return stance.height_m <= headroom(thing.place) + OUTLINE_SLACK_M
+    return stance.height_m <= thing.place.height_m + OUTLINE_SLACK_M
 
 
 def max_base_height(thing: Thing, stance: Stance) -> float:
     """Largest height (m) of its lowest point over the floor: on contents of a volume, else 0."""
-    return max(0.0, thing.place.height_m - stance.height_m) if isinstance(thing.place, Volume) else 0.0
+    return max(0.0, thing.place.height_m - stance.height_m) if thing.place.is_volume else 0.0
 
 
 def placement_bounds(problem: Problem, thing: Thing, stance: Stance) -> PlacementBounds:
@@ -75,37 +71,37 @@ def placement_bounds(problem: Problem, thing: Thing, stance: Stance) -> Placemen
     walls: list[tuple[FloatArray, FloatArray]] = []
     obstacles: list[tuple[FloatArray, FloatArray]] = []
     lift = max_base_height(thing, stance)
-    pieces = sorted(stance.slabs, key=lambda slab: -Polygon(slab.outline_m).area)[:8]
-    if isinstance(thing.place, Surface):
-        walls.append((hull(stance.slabs), area_hull(thing.place)))
+    pieces = sorted(stance.prisms, key=lambda prism: -Polygon(prism.outline_m).area)[:8]
+    if not thing.place.is_volume:
+        walls.append((hull(stance.prisms), area_hull(thing.place)))
         holes = _parts(thing.place.polygon.convex_hull.difference(thing.place.polygon))
-        obstacles += [(slab.outline_m, part) for slab in pieces for part in holes]
+        obstacles += [(prism.outline_m, part) for prism in pieces for part in holes]
         obstacles += [
-            (slab.outline_m, part.outline_m)
-            for slab in pieces
+            (prism.outline_m, part.outline_m)
+            for prism in pieces
             for part in thing.place.above
-            if min(slab.high_m, part.high_m) - max(slab.low_m, part.low_m) > OUTLINE_SLACK_M
+            if min(prism.high_m, part.high_m) - max(prism.low_m, part.low_m) > OUTLINE_SLACK_M
         ]
     else:
-        for slab in pieces:
-            container = _layers(thing.place, slab.low_m + lift, slab.high_m)
+        for prism in pieces:
+            container = _layers(thing.place, prism.low_m + lift, prism.high_m)
             if shapely.is_empty(container):
                 return PlacementBounds((), (), np.full(2, np.inf), np.full(2, -np.inf))
             around = shapely.convex_hull(container)
-            walls.append((slab.outline_m, ring_of(around)))
-            obstacles += [(slab.outline_m, part) for part in _parts(shapely.difference(around, container))]
+            walls.append((prism.outline_m, ring_of(around)))
+            obstacles += [(prism.outline_m, part) for part in _parts(shapely.difference(around, container))]
     for rule in problem.keep_outs:
         if (rule.parent, rule.place.name) == (thing.parent, thing.place.name):
-            entered = [slab for slab in pieces if slab.low_m + lift < rule.height_m - OUTLINE_SLACK_M]
-            obstacles += [(slab.outline_m, part) for slab in entered for part in _parts(rule.polygon)]
+            entered = [prism for prism in pieces if prism.low_m + lift < rule.height_m - OUTLINE_SLACK_M]
+            obstacles += [(prism.outline_m, part) for prism in entered for part in _parts(rule.polygon)]
     (x0, x1), (y0, y1) = thing.domain.x_m, thing.domain.y_m
     return PlacementBounds(
         tuple(walls), tuple(obstacles), np.array([x0, y0]), np.array([x1, y1]), _ring(problem, thing)
     )
 
 
-def _layers(place: Volume, low_m: float, high_m: float) -> shapely.Geometry:
-    """Container of a slab that spans at least these heights: the intersection of these layers, else the union of
+def _layers(place: ScenePlace, low_m: float, high_m: float) -> shapely.Geometry:
+    """Container of a prism that spans at least these heights: the intersection of these layers, else the union of
     all."""
     spanned = [polygon for low, high, polygon in place.layers if min(high, high_m) - max(low, low_m) > OUTLINE_SLACK_M]
     return shapely.intersection_all(spanned) if spanned else area(place)
@@ -125,7 +121,7 @@ def _parts(shape: shapely.Geometry) -> list[FloatArray]:
 
 def _ring(problem: Problem, thing: Thing) -> tuple[FloatArray, float, float] | None:
     reach = problem.reach
-    if reach is None or thing.name not in reach.members or thing.parent != WORLD_PARENT:
+    if reach is None or thing.name not in reach.members or thing.parent != BACKGROUND:
         return None
     centre = turned((reach.base_m - problem.X_WB[:3, 3])[None, :2], -background_yaw(problem))[0]
     return centre - thing.place.origin_P_m[:2], reach.least_m, reach.most_m

@@ -9,8 +9,9 @@ from hashlib import blake2b
 import numpy as np
 from shapely import Polygon
 
-from scenec.ir.problem import Body, Placement, RelationIR, Surface, Thing, Volume
+from scenec.ir.problem import Body, Placement, Thing
 from scenec.solve.model import SolverModel
+from schemas.scene.geometry import ScenePlace, SceneRelation
 
 Digest = bytes
 MOST_VALIDATED_SETS = 8  # sets of things known to be valid together, for each surroundings
@@ -38,7 +39,7 @@ class ComponentCache:
     validated: dict[Digest, list[dict[str, tuple[Digest, Placement]]]] = field(default_factory=dict)
     _known: dict[int, tuple[object, Digest]] = field(default_factory=dict)
 
-    def digest(self, item: Body | Surface | Volume | Thing) -> Digest:
+    def digest(self, item: Body | ScenePlace | Thing) -> Digest:
         """Content digest of a body, place or thing (without its load), computed once per object."""
         known = self._known.get(id(item))
         if known is None or known[0] is not item:
@@ -77,9 +78,9 @@ class ComponentCache:
         if name not in model.carriers:
             return digest
         pieces = [
-            _array(p) for shape in model.shapes[name] for p in (*shape.pieces, *(s.outline_m for s in shape.slabs))
+            _array(p) for shape in model.shapes[name] for p in (*shape.pieces, *(s.outline_m for s in shape.prisms))
         ]
-        heights = repr([[(s.low_m, s.high_m) for s in shape.slabs] for shape in model.shapes[name]]).encode()
+        heights = repr([[(s.low_m, s.high_m) for s in shape.prisms] for shape in model.shapes[name]]).encode()
         return _hash(digest, heights, *pieces)
 
     def _thing(self, thing: Thing) -> Digest:
@@ -97,7 +98,7 @@ def _hash(*parts: bytes) -> Digest:
     return state.digest()
 
 
-def _digest(item: Body | Surface | Volume) -> Digest:
+def _digest(item: Body | ScenePlace) -> Digest:
     if isinstance(item, Body):
         return _hash(
             *(
@@ -105,16 +106,14 @@ def _digest(item: Body | Surface | Volume) -> Digest:
                 for stance in item.resting_orientations
                 for part in (
                     repr((stance.quat_wxyz, stance.origin_height_m)).encode(),
-                    *(_array(s.outline_m) + repr((s.low_m, s.high_m)).encode() for s in stance.slabs),
+                    *(_array(s.outline_m) + repr((s.low_m, s.high_m)).encode() for s in stance.prisms),
                 )
             )
         )
-    if isinstance(item, Surface):
-        above = [_array(s.outline_m) + repr((s.low_m, s.high_m)).encode() for s in item.above]
-        name = repr((item.name, item.clearance_m)).encode()
-        return _hash(name, _polygon(item.polygon), _array(item.origin_P_m), *above)
+    above = [_array(s.outline_m) + repr((s.low_m, s.high_m)).encode() for s in item.above]
     layers = [repr((low, high)).encode() + _polygon(polygon) for low, high, polygon in item.layers]
-    return _hash(item.name.encode(), _array(item.origin_P_m), *layers)
+    name = repr((item.name, item.kind, item.height_m, len(above))).encode()
+    return _hash(name, _polygon(item.polygon), _array(item.origin_P_m), *above, *layers)
 
 
 def _array(values: np.ndarray) -> bytes:
@@ -137,5 +136,5 @@ def _surroundings(model: SolverModel) -> Digest:
     return _hash(repr(problem.clearance_m).encode(), _array(problem.X_WB), ring, *keep_outs)
 
 
-def _rule(rule: RelationIR) -> bytes:
+def _rule(rule: SceneRelation) -> bytes:
     return repr((rule.kind, rule.things, rule.direction, rule.gap_m, rule.tolerance, rule.frame)).encode()

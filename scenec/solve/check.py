@@ -7,10 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 import shapely
 
+from scenec.relations.table import RELATIONS
 from scenec.solve.frames import pose_of
-from scenec.solve.model import SLACK_M, Site, SolverModel, yaw_allowed
+from scenec.solve.measures import SLACK, wrapped
+from scenec.solve.model import Site, SolverModel, yaw_allowed
 from scenec.solve.placed import Placed, bounds_gap, footprint_distance
-from scenec.solve.relations import SLACK, excess, wrapped
+from scenec.solve.planar import SLACK_M
 from scenec.solve.stacks import stacked, unsupported
 
 Assignment = Mapping[str, Placed]
@@ -51,7 +53,7 @@ def on_site(placed: Placed, site: Site) -> bool:
     keep-outs."""
     base, shape = placed.placement.base_m, placed.turned.shape
     # Things carried by contents of a receptacle may rise over its rim; under a shelf board nothing may.
-    height_m = shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
+    height_m = shape.height_m if site.is_surface else max(prism.high_m for prism in shape.prisms[: shape.own])
     if base < -SLACK_M or base + height_m > site.top_m + SLACK_M:
         return False
     in_air = base > SLACK_M and site.is_surface  # a fixed pose off the floor is accepted as authored
@@ -65,18 +67,18 @@ def on_site(placed: Placed, site: Site) -> bool:
             if not all(site.grown_layers[k].covers(piece) for piece in placed.footprint):
                 return False
         else:
-            for outline, slab_low, slab_high in placed.slabs:
-                spans = slab_low - site.base_P_m < high - SLACK_M and slab_high - site.base_P_m > low + SLACK_M
+            for outline, prism_low, prism_high in placed.prisms:
+                spans = prism_low - site.base_P_m < high - SLACK_M and prism_high - site.base_P_m > low + SLACK_M
                 if spans and not site.grown_layers[k].covers(outline):
                     return False
     for outline, low, high in site.above:
-        for slab, slab_low, slab_high in placed.slabs:
-            if slab_low < high - SLACK_M and slab_high > low + SLACK_M and _overlap(slab, outline):
+        for prism, prism_low, prism_high in placed.prisms:
+            if prism_low < high - SLACK_M and prism_high > low + SLACK_M and _overlap(prism, outline):
                 return False
     return not any(
-        slab_low < high - SLACK_M and slab_high > low + SLACK_M and _overlap(slab, polygon)
+        prism_low < high - SLACK_M and prism_high > low + SLACK_M and _overlap(prism, polygon)
         for polygon, low, high in site.keep_outs
-        for slab, slab_low, slab_high in placed.slabs
+        for prism, prism_low, prism_high in placed.prisms
     )
 
 
@@ -105,8 +107,8 @@ def clash(a: Placed, b: Placed, clearance_m: float) -> bool:
         return any(_overlap(p, q) for p in a.footprint for q in b.footprint)
     return any(
         low_a < high_b - SLACK_M and low_b < high_a - SLACK_M and _too_close(p, q, clearance_m)
-        for p, low_a, high_a in a.slabs
-        for q, low_b, high_b in b.slabs
+        for p, low_a, high_a in a.prisms
+        for q, low_b, high_b in b.prisms
     )
 
 
@@ -138,7 +140,7 @@ def blockers(
             culprits.add(other)
     for rule in model.rules_of.get(name, ()):
         links = model.depends_on(rule)
-        if links.issubset(assignment) and excess(rule, assignment) > SLACK:
+        if links.issubset(assignment) and RELATIONS[rule.kind].excess(rule, assignment) > SLACK:
             culprits |= links
     if (down := unsupported(model, assignment, placed.parent, placed.place)) and not culprits:
         return down - {name}

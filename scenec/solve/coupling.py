@@ -13,9 +13,10 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
-from scenec.ir.problem import WORLD_PARENT, RelationIR, Volume
+from scenec.relations.table import RELATIONS
 from scenec.solve.model import Limit, SolverModel
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import BACKGROUND, SceneRelation
 
 YAW_SAMPLES = 64
 
@@ -63,7 +64,7 @@ def heights(model: SolverModel, name: str) -> tuple[float, float]:
         0.0
     ]
     high = max(lows) + max(shape.height_m for shape in shapes)
-    if isinstance(thing.place, Volume) and not thing.domain.fixed_poses:
+    if thing.place.is_volume and not thing.domain.fixed_poses:
         high = max(high, thing.place.height_m)  # on other contents
     return base + min(lows), base + high
 
@@ -113,7 +114,7 @@ def components_of(model: SolverModel) -> tuple[tuple[str, ...], ...]:
         for name, label in zip(names, labels, strict=True):
             graph.add_edge(first.setdefault(label, name), name)
     for rule in model.rules:
-        if rule.kind != "before" or not model.in_one_frame(rule):
+        if not RELATIONS[rule.kind].separable or not model.in_one_frame(rule):
             graph.add_edges_from(pairwise(sorted(model.depends_on(rule))))
     if model.problem.reach is not None:
         for name in model.problem.reach.members:
@@ -121,17 +122,18 @@ def components_of(model: SolverModel) -> tuple[tuple[str, ...], ...]:
     return tuple(sorted(tuple(sorted(members)) for members in nx.connected_components(graph)))
 
 
-def lifted(model: SolverModel, rule: RelationIR) -> RelationIR:
+def lifted(model: SolverModel, rule: SceneRelation) -> SceneRelation:
     """A stricter relation between siblings that implies one across owners: contents of a tray are left of a box when
     the tray is, wherever they are on the tray. The relation itself where there is no such."""
-    if rule.kind not in ("before", "far_from") or model.in_one_frame(rule):
+    meaning = RELATIONS[rule.kind]
+    if not meaning.lifts_to_owners or model.in_one_frame(rule):
         return rule
-    chains = [(WORLD_PARENT, *model.chains[name]) for name in rule.things]
+    chains = [(BACKGROUND, *model.chains[name]) for name in rule.things]
     depth = 0
     while depth < min(len(chain) for chain in chains) and chains[0][depth] == chains[1][depth]:
         depth += 1
     owner = chains[0][depth - 1]
-    if any(len(chain) <= depth for chain in chains) or (rule.kind == "before" and rule.frame != owner):
+    if any(len(chain) <= depth for chain in chains) or (meaning.frame_dependent and rule.frame != owner):
         return rule
     return replace(rule, things=(chains[0][depth], chains[1][depth]))
 
@@ -145,7 +147,7 @@ def separating_limits(
     home = {name: k for k, members in enumerate(components) for name in members}
     limits: dict[str, list[Limit]] = defaultdict(list)
     for rule in model.rules:
-        if rule.kind != "before" or home[rule.things[0]] == home[rule.things[1]]:
+        if not RELATIONS[rule.kind].separable or home[rule.things[0]] == home[rule.things[1]]:
             continue
         dx, dy = rule.direction
         first, second = (_span(footprint_bounds(model, name), dx, dy) for name in rule.things)

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from math import cos, sin
 from typing import NamedTuple
 
-from scenec.ir.problem import WORLD_PARENT
 from scenec.solve.placed import Placed
+from schemas.scene.geometry import BACKGROUND
 
 
 class Pose2(NamedTuple):
@@ -37,7 +37,7 @@ AT_BACKGROUND = Pose2(0.0, 0.0, 0.0, 0.0)
 def pose_of(name: str, assignment: Mapping[str, Placed]) -> Pose2:
     """Asset frame of a placed thing in B. An owner that is not placed has the identity pose: relations among its
     contents alone do not depend on its pose."""
-    if name == WORLD_PARENT or name not in assignment:
+    if name == BACKGROUND or name not in assignment:
         return AT_BACKGROUND
     placed = assignment[name]
     owner = pose_of(placed.parent, assignment)

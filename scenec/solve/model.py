@@ -17,28 +17,24 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.ir.problem import WORLD_PARENT, Placement, Problem, RelationIR, Surface, Thing, Volume
+from scenec.ir.problem import Placement, Problem, Thing
+from scenec.relations.table import RELATIONS
 from scenec.solve.placed import Placed
-from scenec.solve.planar import polygon
-from scenec.solve.shapes import Shape, carried_slabs, shape_of, tallest
-
-SLACK_M = 1e-9  # rounding allowed where geometry touches; the independent checker allows 1e-6
+from scenec.solve.planar import SLACK_M, polygon
+from scenec.solve.shapes import Shape, carried_prisms, shape_of, tallest
+from schemas.scene.geometry import BACKGROUND, ScenePlace, SceneRelation
 
 
 class Site:
     """One place in its owner's frame P: layers (low, high, polygon) to stay on, obstacles above it, keep-outs."""
 
-    def __init__(self, parent: str, place: Surface | Volume, problem: Problem):
+    def __init__(self, parent: str, place: ScenePlace, problem: Problem):
         self.parent, self.place = parent, place
         ox, oy, oz = (float(v) for v in place.origin_P_m)
-        if isinstance(place, Surface):
-            layers = ((0.0, place.clearance_m, place.polygon),)
-            above = place.above
-        else:
-            layers, above = place.layers, ()
+        layers = place.layers or ((0.0, place.height_m, place.polygon),)
         self.layers = tuple((low, high, _shifted(area, ox, oy)) for low, high, area in layers)
         shift = np.array([ox, oy])
-        self.above = tuple((polygon(s.outline_m + shift), s.low_m + oz, s.high_m + oz) for s in above)
+        self.above = tuple((polygon(s.outline_m + shift), s.low_m + oz, s.high_m + oz) for s in place.above)
         # Keep-outs count for all that the owner carries: (polygon, low, high).
         self.keep_outs = tuple(
             (_shifted(keep.polygon, x, y), z, z + keep.height_m)
@@ -47,8 +43,8 @@ class Site:
             for x, y, z in [tuple(float(v) for v in keep.place.origin_P_m)]
         )
         self.origin_P_m, self.base_P_m = place.origin_P_m, oz
-        self.top_m = place.clearance_m if isinstance(place, Surface) else place.height_m
-        self.is_surface = isinstance(place, Surface)
+        self.top_m = place.height_m
+        self.is_surface = not place.is_volume
         self.bounds: tuple[float, ...] = tuple(shapely.total_bounds([a for _, _, a in self.layers]).tolist())  # of all
         self.is_box = all(is_box(area) for _, _, area in self.layers)
 
@@ -90,30 +86,29 @@ class SolverModel:
     things: dict[str, Thing]
     shapes: dict[str, tuple[Shape, ...]]
     sites: dict[tuple[str, str], Site]
-    rules: tuple[RelationIR, ...]
+    rules: tuple[SceneRelation, ...]
     limits: dict[str, tuple[Limit, ...]]
 
     @cached_property
-    def rules_of(self) -> dict[str, tuple[RelationIR, ...]]:
+    def rules_of(self) -> dict[str, tuple[SceneRelation, ...]]:
         """Relations that depend on the pose of a thing, by name: as member, as frame, or as an owner of these."""
-        rules_by_name: dict[str, list[RelationIR]] = defaultdict(list)
+        rules_by_name: dict[str, list[SceneRelation]] = defaultdict(list)
         for rule in self.rules:
             for name in self.depends_on(rule):
                 rules_by_name[name].append(rule)
         return {name: tuple(rules) for name, rules in rules_by_name.items()}
 
-    def in_one_frame(self, rule: RelationIR) -> bool:
+    def in_one_frame(self, rule: SceneRelation) -> bool:
         """Whether a relation can be evaluated in the frame of one owner that carries all its members."""
         owners = {self.things[name].parent for name in rule.things}
-        free_of_frame = rule.kind in ("near", "far_from", "facing", "between")
-        return len(owners) == 1 and (free_of_frame or rule.frame in owners)
+        return len(owners) == 1 and (not RELATIONS[rule.kind].frame_dependent or rule.frame in owners)
 
-    def depends_on(self, rule: RelationIR) -> set[str]:
+    def depends_on(self, rule: SceneRelation) -> set[str]:
         """Names of the things on whose poses a relation depends."""
         if self.in_one_frame(rule):
             return set(rule.things)
         names = (*rule.things, rule.frame)
-        return {link for name in names if name != WORLD_PARENT for link in self.chains[name]}
+        return {link for name in names if name != BACKGROUND for link in self.chains[name]}
 
     @cached_property
     def chains(self) -> dict[str, tuple[str, ...]]:
@@ -159,7 +154,7 @@ def model_of(problem: Problem) -> SolverModel:
         children[thing.parent].append(thing)
     shapes: dict[str, tuple[Shape, ...]] = {}
     for name in reversed(owner_first(things)):
-        loads: dict[str, tuple[Surface | Volume, float]] = {}
+        loads: dict[str, tuple[ScenePlace, float]] = {}
         for child in children[name]:
             height = max(tallest(child, shapes[child.name]), loads.get(child.place.name, (None, 0.0))[1])
             loads[child.place.name] = (child.place, height)
@@ -168,7 +163,7 @@ def model_of(problem: Problem) -> SolverModel:
             for place, (where, height) in loads.items()
         }
         shapes[name] = tuple(
-            shape_of(stance, carried_slabs(stance, tuple(loads.values())) if loads else ())
+            shape_of(stance, carried_prisms(stance, tuple(loads.values())) if loads else ())
             for stance in things[name].body.resting_orientations
         )
     places = {(thing.parent, thing.place.name): thing.place for thing in things.values()}
@@ -177,10 +172,10 @@ def model_of(problem: Problem) -> SolverModel:
 
 
 def _stacked_height_m(
-    height_m: float, place: Surface | Volume, children: Sequence[Thing], shapes: Mapping[str, tuple[Shape, ...]]
+    height_m: float, place: ScenePlace, children: Sequence[Thing], shapes: Mapping[str, tuple[Shape, ...]]
 ) -> float:
     # Largest height of contents of a volume when they are stacked, at most that of the rim.
-    if isinstance(place, Surface):
+    if not place.is_volume:
         return height_m
     inside = [child for child in children if child.place.name == place.name and not child.domain.fixed_poses]
     total = sum(max(shape.height_m for shape in shapes[child.name]) for child in inside)

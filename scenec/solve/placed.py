@@ -46,18 +46,18 @@ class Placed:
         return self._grown[1]
 
     @cached_property
-    def slabs(self) -> tuple[tuple[Polygon, float, float], ...]:
-        """All slabs in P as (outline, low, high); the body's own come first."""
+    def prisms(self) -> tuple[tuple[Polygon, float, float], ...]:
+        """All prisms in P as (outline, low, high); the body's own come first."""
         shift = (self.x_P_m, self.y_P_m)
         return tuple(
-            (polygon(outline + shift), slab.low_m + self.base_P_m, slab.high_m + self.base_P_m)
-            for outline, slab in zip(self.turned.outlines, self.turned.shape.slabs, strict=True)
+            (polygon(outline + shift), prism.low_m + self.base_P_m, prism.high_m + self.base_P_m)
+            for outline, prism in zip(self.turned.outlines, self.turned.shape.prisms, strict=True)
         )
 
     @cached_property
     def contact(self) -> ContactGeometry:
         """The geometry of its own body by which it stands on others and carries them."""
-        return ContactGeometry(self.slabs[: self.turned.shape.own])
+        return ContactGeometry(self.prisms[: self.turned.shape.own])
 
 
 def footprint_distance(a: Placed, b: Placed) -> float:

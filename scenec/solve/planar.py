@@ -13,6 +13,8 @@ from shapely.geometry.base import BaseGeometry
 
 from schemas.arrays import FloatArray
 
+SLACK_M = 1e-9  # rounding allowed where geometry touches; the independent checker allows 1e-6
+AXIS = 1.0 - 1e-9  # a direction closer to an axis than this is along it
 SEGMENTS = 6  # sides per quarter turn of round corners
 ROUND_OUT = 1.0 / cos(pi / (4 * SEGMENTS))  # a polygon of this radius contains the unit circle
 

@@ -8,8 +8,9 @@ side; footprints of many pieces are replaced by slightly larger ones (COARSE_SHA
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
-from math import atan2, cos, hypot, inf, pi, sin
+from math import inf
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -17,46 +18,20 @@ import shapely
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import WORLD_PARENT, RelationIR, Slab
+from scenec.relations.protocol import Mover
+from scenec.relations.table import RELATIONS
 from scenec.solve.check import Assignment
-from scenec.solve.frames import Pose2, pose_of, turned_direction
-from scenec.solve.model import SLACK_M, Site, SolverModel
+from scenec.solve.frames import Pose2, pose_of
+from scenec.solve.model import Site, SolverModel
 from scenec.solve.placed import Placed
-from scenec.solve.planar import ROUND_OUT, SEGMENTS, hulls, outline_of, polygon
-from scenec.solve.relations import direction_B, extent, front_B, origin_B, outlines_B
+from scenec.solve.planar import ROUND_OUT, SEGMENTS, SLACK_M, hulls, outline_of, polygon
+from scenec.solve.region_geometry import NOWHERE, half_plane, minkowski_sum_points, no_fit_polygons
 from scenec.solve.shapes import ShapeAtYaw
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import BACKGROUND, Prism
 
-NOWHERE = Polygon()
 FEW_PIECES = 16  # product of the piece counts of two footprints below which no-fit polygons are not cached
 _NO_FIT: WeakKeyDictionary[ShapeAtYaw, WeakKeyDictionary[ShapeAtYaw, dict[float, BaseGeometry]]] = WeakKeyDictionary()
-FEW_CORNERS = 100  # product of the corner counts of two outlines below which the hull of all differences is as fast
-
-
-def no_fit_polygons(outline: FloatArray, reflected: Sequence[FloatArray]) -> list[BaseGeometry]:
-    """No-fit polygons of one convex obstacle (n, 2): its Minkowski sums with the reflected footprint's pieces."""
-    return hulls([minkowski_sum_points(outline, piece) for piece in reflected])
-
-
-def minkowski_sum_points(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Points (k, 2) whose hull is the Minkowski sum of a convex outline and a reflected one: all differences of corners
-    where these are few, else the corners found by merging the edges of both by direction."""
-    if len(a) * len(b) <= FEW_CORNERS:
-        return (a[:, None, :] - b[None, :, :]).reshape(-1, 2)
-    one, two = _from_lowest(a), _from_lowest(-b)
-    edges = np.concatenate([np.roll(one, -1, axis=0) - one, np.roll(two, -1, axis=0) - two])
-    order = np.argsort(np.arctan2(edges[:, 1], edges[:, 0]) % (2.0 * pi), kind="stable")
-    passed = np.cumsum(order < len(one))
-    at = np.concatenate([[0], passed[:-1]])
-    return one[at % len(one)] + two[(np.arange(len(order)) - at) % len(two)]
-
-
-def _from_lowest(outline: FloatArray) -> FloatArray:
-    # Counter-clockwise, beginning at the lowest corner (the leftmost of these): edges turn from 0 to a whole turn.
-    x, y = outline.T
-    if float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) < 0.0:
-        outline = outline[::-1]
-    return np.roll(outline, -int(np.lexsort((outline[:, 0], outline[:, 1]))[0]), axis=0)
 
 
 def eroded(area: Polygon, pieces: Sequence[FloatArray]) -> BaseGeometry:
@@ -79,22 +54,6 @@ def eroded(area: Polygon, pieces: Sequence[FloatArray]) -> BaseGeometry:
         ]
         inner = inner.difference(shapely.union_all(no_fit))
     return inner
-
-
-def half_plane(dx: float, dy: float, end: float, around: tuple[float, float, float, float]) -> Polygon:
-    """The part of a large square around the box `around` with p . (dx, dy) <= end, for a unit direction."""
-    cx, cy = (around[0] + around[2]) / 2, (around[1] + around[3]) / 2
-    size = 2.0 * (around[2] - around[0] + around[3] - around[1]) + 1.0
-    past = min(end - cx * dx - cy * dy, 0.7 * size)  # a border far beyond the box must not leave the box behind
-    px, py = cx + past * dx, cy + past * dy
-    return Polygon(
-        [
-            (px + size * -dy, py + size * dx),
-            (px + size * (-dy - 2 * dx), py + size * (dx - 2 * dy)),
-            (px + size * (dy - 2 * dx), py + size * (-dx - 2 * dy)),
-            (px + size * dy, py - size * dx),
-        ]
-    )
 
 
 def region_alone(model: SolverModel, name: str, turned: ShapeAtYaw, base_m: float = 0.0) -> BaseGeometry:
@@ -132,10 +91,10 @@ def _box(x0: float, y0: float, x1: float, y1: float) -> BaseGeometry:
 def on_site_region(site: Site, turned: ShapeAtYaw, base_m: float = 0.0) -> BaseGeometry:
     """Region of a footprint on a place, on its floor or `base_m` over it, without ranges and limits."""
     shape = turned.shape
-    height = shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
+    height = shape.height_m if site.is_surface else max(prism.high_m for prism in shape.prisms[: shape.own])
     if base_m + height > site.top_m + SLACK_M:
         return NOWHERE
-    slabs = list(zip(turned.outlines, shape.slabs, strict=True))
+    prisms = list(zip(turned.outlines, shape.prisms, strict=True))
     base_P_m = site.base_P_m + base_m
     if len(site.layers) == 1:
         area = eroded(site.layers[0][2], turned.pieces)
@@ -143,7 +102,7 @@ def on_site_region(site: Site, turned: ShapeAtYaw, base_m: float = 0.0) -> BaseG
         area = None
         # The narrowest first, which most often leave nothing.
         for low, high, layer in sorted(site.layers, key=lambda layer: layer[2].area):
-            if outlines := _within(slabs, low - base_m, high - base_m):
+            if outlines := _within(prisms, low - base_m, high - base_m):
                 here = eroded(layer, outlines)
                 area = here if area is None else area.intersection(here)
                 if area.is_empty:
@@ -152,25 +111,25 @@ def on_site_region(site: Site, turned: ShapeAtYaw, base_m: float = 0.0) -> BaseG
     blocked = [
         s
         for part, low, high in site.above
-        for outline, slab in slabs
-        if slab.low_m + base_P_m < high - SLACK_M and slab.high_m + base_P_m > low + SLACK_M
+        for outline, prism in prisms
+        if prism.low_m + base_P_m < high - SLACK_M and prism.high_m + base_P_m > low + SLACK_M
         for s in no_fit_polygons(shapely.get_coordinates(part)[:-1], [outline])
     ]
     for keep, low, high in site.keep_outs:
         parts = shapely.get_parts(shapely.constrained_delaunay_triangles(keep))
         blocked += [
             s
-            for outline, slab in slabs
-            if slab.low_m + base_P_m < high - SLACK_M and slab.high_m + base_P_m > low + SLACK_M
+            for outline, prism in prisms
+            if prism.low_m + base_P_m < high - SLACK_M and prism.high_m + base_P_m > low + SLACK_M
             for part in parts
             for s in no_fit_polygons(shapely.get_coordinates(part)[:-1], [outline])
         ]
     return area.difference(shapely.union_all(blocked)) if blocked and not area.is_empty else area
 
 
-def _within(slabs: Sequence[tuple[FloatArray, Slab]], low_m: float, high_m: float) -> list[FloatArray]:
-    # Outlines of the slabs between two heights over the lowest point of a thing.
-    return [outline for outline, slab in slabs if slab.low_m < high_m - SLACK_M and slab.high_m > low_m + SLACK_M]
+def _within(prisms: Sequence[tuple[FloatArray, Prism]], low_m: float, high_m: float) -> list[FloatArray]:
+    # Outlines of the prisms between two heights over the lowest point of a thing.
+    return [outline for outline, prism in prisms if prism.low_m < high_m - SLACK_M and prism.high_m > low_m + SLACK_M]
 
 
 def feasible_region(
@@ -183,18 +142,27 @@ def feasible_region(
 ) -> tuple[BaseGeometry, set[str]]:
     """(region of the origin, names of the things that reduced it below `unary_region`), `base_m` over its place.
 
-    Relations with things not placed yet, or in the frame of the thing itself, are left to the check."""
+    Relations with things not placed yet (unless they constrain early), or in the frame of the thing itself, are left to
+    the check."""
     if unary_region.is_empty:
         return unary_region, set()
     area, culprits = unary_region, set[str]()
     thing = model.things[name]
+    base_P_m = model.site(thing).base_P_m + base_m
     for rule in model.rules_of.get(name, ()):
-        others = {n for n in (*rule.things, rule.frame) if n not in (name, WORLD_PARENT)}
-        links = model.depends_on(rule) - {name}
+        placed = rule
+        if RELATIONS[rule.kind].constrains_early:
+            members = tuple(n for n in rule.things if n == name or n in assignment)
+            if len(members) < 2:
+                continue
+            placed = rule if len(members) == len(rule.things) else replace(rule, things=members)
+        others = {n for n in (*placed.things, rule.frame) if n not in (name, BACKGROUND)}
+        links = model.depends_on(placed) - {name}
         if name not in rule.things or not links.issubset(assignment) or any(name in model.chains[n] for n in others):
             continue
         owner = pose_of(thing.parent, assignment)
-        allowed = _rule_region(rule, name, turned, owner, assignment, area.bounds)
+        mover = Mover(name, turned, owner, area.bounds, base_P_m)
+        allowed = RELATIONS[rule.kind].region(rule, mover, assignment)
         culprits |= links
         if allowed is not None:
             area = area.intersection(allowed)
@@ -249,10 +217,10 @@ def _obstacles(
         elif placed.place == thing.place.name:
             whole += [minkowski_sum_points(piece, mine) for piece in placed.grown(clearance) for mine in turned.pieces]
         else:
-            for outline, low, high in placed.slabs:
+            for outline, low, high in placed.prisms:
                 wide = outline.buffer(clearance * ROUND_OUT, quad_segs=SEGMENTS) if clearance > 0.0 else outline
-                for mine, slab in zip(turned.outlines, turned.shape.slabs, strict=True):
-                    if slab.low_m + base < high - SLACK_M and low < slab.high_m + base - SLACK_M:
+                for mine, prism in zip(turned.outlines, turned.shape.prisms, strict=True):
+                    if prism.low_m + base < high - SLACK_M and low < prism.high_m + base - SLACK_M:
                         whole.append(minkowski_sum_points(shapely.get_coordinates(wide)[:-1], mine))
     return [*known, *hulls(whole)], blamed
 
@@ -270,103 +238,6 @@ def _no_fit(other: ShapeAtYaw, mine: ShapeAtYaw, clearance_m: float) -> BaseGeom
     return by_clearance[clearance_m]
 
 
-def _rule_region(
-    rule: RelationIR,
-    name: str,
-    turned: ShapeAtYaw,
-    owner: Pose2,
-    assignment: Assignment,
-    around: tuple[float, float, float, float],
-) -> BaseGeometry | None:
-    # Region of the origin of `name` in which the relation holds, the others placed; None: left to the check.
-    mates = [assignment[n] for n in rule.things if n != name]
-    if rule.kind == "before":
-        dx, dy = direction_B(rule, assignment)
-        px, py = turned_direction((dx, dy), -owner.yaw_rad)
-        start = owner.x_m * dx + owner.y_m * dy
-        along = turned.hull @ (px, py)
-        begin, end = extent(mates[0], (dx, dy), assignment)
-        if rule.things[0] == name:
-            return half_plane(px, py, begin - rule.gap_m - start - float(along.max()), around)
-        return half_plane(-px, -py, -(end + rule.gap_m - start - float(along.min())), around)
-    if rule.kind in ("near", "far_from"):
-        no_fit = hulls(
-            [
-                minkowski_sum_points(_in_P(o, owner), mine)
-                for o in outlines_B(mates[0], assignment)
-                for mine in turned.pieces
-            ]
-        )
-        if rule.kind == "near":
-            return shapely.union_all(shapely.buffer(no_fit, rule.gap_m, quad_segs=4 * SEGMENTS))
-        grown = shapely.union_all(shapely.buffer(no_fit, rule.gap_m * ROUND_OUT, quad_segs=SEGMENTS))
-        return shapely.difference(shapely.box(*_widened(around)), grown)
-    points = [owner.inverse_point(*origin_B(mate, assignment)) for mate in mates]
-    if rule.kind == "aligned":
-        px, py = turned_direction(direction_B(rule, assignment), -owner.yaw_rad)
-        across = [-py * x + px * y for x, y in points]
-        low, high = max(across) - rule.tolerance, min(across) + rule.tolerance
-        return _strip(-py, px, low, high, around) if high - low >= -SLACK_M else NOWHERE
-    if rule.kind == "facing":
-        if rule.tolerance > 1.4:
-            return None
-        ahead = turned.yaw_rad + turned.shape.front_rad
-        if rule.things[1] == name:
-            ahead = front_B(mates[0], assignment) - owner.yaw_rad
-        size = sum(abs(v) for v in around) + sum(abs(v) for v in points[0]) + 1.0
-        away = 0.0 if rule.things[1] == name else pi
-        return _wedge(points[0], ahead + away, rule.tolerance, size)
-    if rule.things[0] == name:  # between
-        return _beside(points[0], points[1], rule.tolerance)
-    return None
-
-
-def _in_P(outline_B: FloatArray, owner: Pose2) -> FloatArray:
-    c, s = cos(owner.yaw_rad), sin(owner.yaw_rad)
-    return (outline_B - (owner.x_m, owner.y_m)) @ np.array([[c, -s], [s, c]])
-
-
-def _widened(box: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
-    return box[0] - 1.0, box[1] - 1.0, box[2] + 1.0, box[3] + 1.0
-
-
-def _strip(nx: float, ny: float, low: float, high: float, around: tuple[float, float, float, float]) -> BaseGeometry:
-    # Points with low <= p . n <= high near a box; a line where both are equal.
-    cx, cy = (around[0] + around[2]) / 2, (around[1] + around[3]) / 2
-    size = around[2] - around[0] + around[3] - around[1] + 1.0
-    at = cx * nx + cy * ny
-    ends = [(cx + (v - at) * nx, cy + (v - at) * ny) for v in (low, high)]
-    if high - low <= SLACK_M:
-        x, y = ends[0]
-        return shapely.LineString([(x - size * ny, y + size * nx), (x + size * ny, y - size * nx)])
-    (xa, ya), (xb, yb) = ends
-    return Polygon(
-        [
-            (xa - size * ny, ya + size * nx),
-            (xa + size * ny, ya - size * nx),
-            (xb + size * ny, yb - size * nx),
-            (xb - size * ny, yb + size * nx),
-        ]
-    )
-
-
-def _wedge(apex: tuple[float, float], heading: float, half: float, size: float) -> BaseGeometry:
-    x, y = apex
-    size /= cos(half)
-    sides = [(x + size * cos(heading + h), y + size * sin(heading + h)) for h in (-half, half)]
-    if half <= SLACK_M:
-        return shapely.LineString([apex, sides[0]])
-    return Polygon([apex, *sides])
-
-
-def _beside(a: tuple[float, float], b: tuple[float, float], tolerance: float) -> BaseGeometry:
-    length = hypot(b[0] - a[0], b[1] - a[1])
-    if length < SLACK_M:
-        return NOWHERE
-    line = shapely.LineString([a, b])
-    return line.buffer(tolerance, cap_style="flat") if tolerance > SLACK_M else line
-
-
 def _reach_region(model: SolverModel, owner: Pose2, around: tuple[float, float, float, float]) -> BaseGeometry:
     reach = model.problem.reach
     assert reach is not None
@@ -378,13 +249,12 @@ def _reach_region(model: SolverModel, owner: Pose2, around: tuple[float, float, 
     return ring
 
 
-def facing_yaw(model: SolverModel, placed: Placed, assignment: Assignment) -> float | None:
-    """The yaw at which a thing exactly faces the placed thing that it must face; None without such a relation."""
+def exact_yaw(model: SolverModel, placed: Placed, assignment: Assignment) -> float | None:
+    """The yaw at which a thing exactly fulfils a relation with placed things; None where no relation fixes its yaw."""
+    trial = {**assignment, placed.name: placed}
     for rule in model.rules_of.get(placed.name, ()):
-        if rule.kind == "facing" and rule.things[0] == placed.name and rule.things[1] in assignment:
-            trial = {**assignment, placed.name: placed}
-            if model.depends_on(rule).issubset(trial):
-                (ax, ay), (bx, by) = (origin_B(trial[n], trial) for n in rule.things)
-                owner = pose_of(placed.parent, trial)
-                return atan2(by - ay, bx - ax) - owner.yaw_rad - placed.turned.shape.front_rad
+        if trial.keys() >= set(rule.things) and model.depends_on(rule).issubset(trial):
+            yaw = RELATIONS[rule.kind].exact_yaw(rule, placed, trial)
+            if yaw is not None:
+                return yaw
     return None

@@ -17,27 +17,27 @@ GRAIN_M = 1e-6  # plans are written in whole micrometres
 
 
 class ContactGeometry:
-    """The slabs (outline, low, high) of one body in P, without what it carries, as part of a pile."""
+    """The prisms (outline, low, high) of one body in P, without what it carries, as part of a pile."""
 
-    def __init__(self, slabs: Sequence[tuple[Polygon, float, float]]):
-        self.slabs = slabs
-        self.low_m = min(low for _, low, _ in self.slabs)
-        self.high_m = max(high for _, _, high in self.slabs)
+    def __init__(self, prisms: Sequence[tuple[Polygon, float, float]]):
+        self.prisms = prisms
+        self.low_m = min(low for _, low, _ in self.prisms)
+        self.high_m = max(high for _, _, high in self.prisms)
 
     @cached_property
     def foot(self) -> BaseGeometry:
-        """The area on which it stands: outlines of all slabs that begin at its lowest height."""
-        return shapely.union_all([area for area, low, _ in self.slabs if low <= self.low_m + CONTACT_M])
+        """The area on which it stands: outlines of all prisms that begin at its lowest height."""
+        return shapely.union_all([area for area, low, _ in self.prisms if low <= self.low_m + CONTACT_M])
 
     def top_at(self, height_m: float) -> BaseGeometry:
         """The area on which others can stand at a height: tops no more than a contact below it."""
-        near = [area for area, _, high in self.slabs if -CONTACT_M <= high - height_m <= 2 * GRAIN_M]
+        near = [area for area, _, high in self.prisms if -CONTACT_M <= high - height_m <= 2 * GRAIN_M]
         return shapely.union_all(near)
 
     @cached_property
     def footprint(self) -> BaseGeometry:
         """Union of all its outlines."""
-        return shapely.union_all([area for area, _, _ in self.slabs])
+        return shapely.union_all([area for area, _, _ in self.prisms])
 
     @cached_property
     def middle(self) -> shapely.Point:

@@ -20,11 +20,12 @@ from shapely.affinity import translate
 from shapely.geometry.base import BaseGeometry
 
 from scenec.ir.problem import Placement, Thing
+from scenec.relations.table import RELATIONS
 from scenec.solve.check import Assignment, blockers
 from scenec.solve.model import SolverModel, yaw_allowed
 from scenec.solve.placed import Placed
 from scenec.solve.points import extreme_point, sample_point
-from scenec.solve.regions import facing_yaw, feasible_region, region_alone
+from scenec.solve.regions import exact_yaw, feasible_region, region_alone
 from scenec.solve.stacks import stack_levels
 from scenec.solve.streams import stream
 
@@ -179,7 +180,7 @@ def candidates(
                 continue
             ox, oy = (float(v) for v in thing.place.origin_P_m[:2])
             placed = model.put(name, Placement(point[0] - ox, point[1] - oy, yaw, stance))
-            if (toward := facing_yaw(model, placed, assignment)) is not None:
+            if (toward := exact_yaw(model, placed, assignment)) is not None:
                 better = yaw_allowed(toward, thing.domain.yaw_rad)
                 if better is not None:
                     yield model.put(name, Placement(point[0] - ox, point[1] - oy, better, stance)), blamed
@@ -275,6 +276,8 @@ def _forward_check(
         thing = model.things[other]
         if thing.domain.fixed_poses or not set(model.chains[other][:-1]).issubset(trial):
             continue
+        if thing.place.is_volume and any(RELATIONS[r.kind].bounds_heights for r in model.rules_of[other]):
+            continue  # it may have to lie on other contents
         blamed: set[str] = set()
         for stance, yaw in poses_to_try(model, thing, stream(seed, "ahead", other), dense=True)[:POSE_TRIES]:
             turned = model.shapes[other][stance].turned(yaw)
@@ -288,9 +291,9 @@ def _forward_check(
 
 
 def ordered(model: SolverModel, names: Sequence[str], failures: Counter[str] | None = None) -> list[str]:
-    """Names in search order: owners first, then by earlier failures, few poses, small range, large area; things that
-    face others or are between them last."""
-    late = {rule.things[0] for rule in model.rules if rule.kind in ("facing", "between")}
+    """Names in search order: owners first, then by earlier failures, few poses, small range, large area; last those
+    that relations place after their mates."""
+    late = {name for rule in model.rules for name in RELATIONS[rule.kind].placed_last(rule)}
 
     def key(name: str) -> tuple[float, ...]:
         thing = model.things[name]

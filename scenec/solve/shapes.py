@@ -1,7 +1,7 @@
-"""Solver shapes of one resting orientation of a thing: convex pieces of its footprint, and slabs with heights.
+"""Solver shapes of one resting orientation of a thing: convex pieces of its footprint, and prisms with heights.
 
 A thing that carries others includes the space above its places: hulls of these up to the highest thing that may be
-there are added to its slabs. So things on different owners never have to be compared.
+there are added to its prisms. So things on different owners never have to be compared.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from scenec.ir.problem import Slab, Stance, Surface, Thing, Volume
+from scenec.ir.problem import Thing
 from scenec.solve.planar import hull_of, outline_of
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import Prism, ScenePlace, Stance
 
 AREA_NOISE = 1e-7  # share of a hull's area by which a union may miss it and still count as convex
 COARSE_SHARE = 1e-3  # share of a footprint's hull that joining two pieces of it may add
@@ -27,15 +28,25 @@ COARSE_SHARE = 1e-3  # share of a footprint's hull that joining two pieces of it
 @dataclass(frozen=True)
 class Shape:
     """One stance before yaw. `pieces` are convex outlines (n, 2) whose union is the whole footprint, things carried
-    included; the first `own` of `slabs` belong to the body. `front_rad` is the heading of the asset's +x at yaw 0."""
+    included; the first `own` of `prisms` belong to the body. `front_rad` is the heading of the asset's +x at yaw 0."""
 
     pieces: tuple[FloatArray, ...]
-    slabs: tuple[Slab, ...]
+    prisms: tuple[Prism, ...]
     own: int
     height_m: float
     origin_height_m: float
     front_rad: float
     upright: bool
+
+    @cached_property
+    def own_low_m(self) -> float:
+        """Height of the body's lowest point over its support."""
+        return min(prism.low_m for prism in self.prisms[: self.own])
+
+    @cached_property
+    def own_high_m(self) -> float:
+        """Height of the body's highest point over its support, without what it carries."""
+        return max(prism.high_m for prism in self.prisms[: self.own])
 
     @cached_property
     def hull(self) -> FloatArray:
@@ -84,7 +95,7 @@ class Shape:
 
 
 class ShapeAtYaw:
-    """A shape at one yaw, origin at 0: `pieces` and slab outlines (n, 2), and `bounds` (x0, y0, x1, y1)."""
+    """A shape at one yaw, origin at 0: `pieces` and prism outlines (n, 2), and `bounds` (x0, y0, x1, y1)."""
 
     def __init__(self, shape: Shape, yaw_rad: float):
         self.shape, self.yaw_rad = shape, yaw_rad
@@ -106,8 +117,8 @@ class ShapeAtYaw:
 
     @cached_property
     def outlines(self) -> tuple[FloatArray, ...]:
-        """Outlines of all slabs at this yaw."""
-        return tuple(slab.outline_m @ self._turn_T for slab in self.shape.slabs)
+        """Outlines of all prisms at this yaw."""
+        return tuple(prism.outline_m @ self._turn_T for prism in self.shape.prisms)
 
 
 def _turn_T(yaw_rad: float) -> FloatArray:
@@ -119,8 +130,8 @@ def _turn_T(yaw_rad: float) -> FloatArray:
 _BARE: dict[int, tuple[ref[Stance], Shape]] = {}  # shapes without load of existing stances, by id
 
 
-def shape_of(stance: Stance, carried: Sequence[Slab] = ()) -> Shape:
-    """Solver shape of a stance with slabs for its load (see the module); without load it is made once per stance."""
+def shape_of(stance: Stance, carried: Sequence[Prism] = ()) -> Shape:
+    """Solver shape of a stance with prisms for its load (see the module); without load it is made once per stance."""
     if carried:
         return _shape_of(stance, carried)
     known = _BARE.get(id(stance))
@@ -130,29 +141,29 @@ def shape_of(stance: Stance, carried: Sequence[Slab] = ()) -> Shape:
     return known[1]
 
 
-def _shape_of(stance: Stance, carried: Sequence[Slab]) -> Shape:
-    slabs = (*stance.slabs, *carried)
+def _shape_of(stance: Stance, carried: Sequence[Prism]) -> Shape:
+    prisms = (*stance.prisms, *carried)
     w, x, y, z = stance.quat_wxyz
     return Shape(
-        pieces=_convex_pieces([slab.outline_m for slab in slabs]),
-        slabs=slabs,
-        own=len(stance.slabs),
-        height_m=max(slab.high_m for slab in slabs),
+        pieces=_convex_pieces([prism.outline_m for prism in prisms]),
+        prisms=prisms,
+        own=len(stance.prisms),
+        height_m=max(prism.high_m for prism in prisms),
         origin_height_m=stance.origin_height_m,
         front_rad=atan2(2 * (x * y + w * z), 1 - 2 * (y * y + z * z)),
         upright=x * x + y * y + z * z < 1e-12,
     )
 
 
-def carried_slabs(stance: Stance, loads: Sequence[tuple[Surface | Volume, float]]) -> tuple[Slab, ...]:
+def carried_prisms(stance: Stance, loads: Sequence[tuple[ScenePlace, float]]) -> tuple[Prism, ...]:
     """Slabs over the places of an upright stance: (place, height of the highest thing there) for each place in use."""
-    slabs = []
+    prisms = []
     for place, height_m in loads:
-        area = place.polygon if isinstance(place, Surface) else place.layers[-1][2]
+        area = place.layers[-1].polygon if place.is_volume else place.polygon
         low = float(place.origin_P_m[2]) + stance.origin_height_m
         outline = hull_of(shapely.get_coordinates(area)) + np.asarray(place.origin_P_m[:2])
-        slabs.append(Slab(outline, low, low + height_m))
-    return tuple(slabs)
+        prisms.append(Prism(outline, low, low + height_m))
+    return tuple(prisms)
 
 
 def _convex_pieces(outlines: list[FloatArray]) -> tuple[FloatArray, ...]:

@@ -18,13 +18,15 @@ from numpy.random import Generator
 from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import Placement, RelationIR, Thing
+from scenec.ir.problem import Placement, Thing
+from scenec.relations.table import RELATIONS
 from scenec.solve.model import Site, SolverModel, is_box, yaw_allowed
 from scenec.solve.placed import Placed
+from scenec.solve.planar import AXIS
 from scenec.solve.streams import stream
+from schemas.scene.geometry import SceneRelation
 
 NOISES = (0.0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.15, 0.2, 0.2, 0.25)  # of the depths that sort things into rows
-AXIS = 1.0 - 1e-9  # a direction closer to an axis than this is along it
 
 
 @dataclass(frozen=True)
@@ -302,13 +304,17 @@ def separation_constraints(
     site: Site,
     items: Sequence[PackedItem],
     standing: Mapping[str, Placed],
-    rules: Sequence[RelationIR],
+    rules: Sequence[SceneRelation],
 ) -> list[SeparationConstraint]:
-    """Constraints of `before` relations among items, or between an item and placed things on the same owner."""
+    """Constraints of directional relations among items, or between an item and placed things on the same owner."""
     number = {item.name: i for i, item in enumerate(items)}
     constraints = []
     for rule in rules:
-        if rule.kind != "before" or rule.frame != site.parent or not any(name in number for name in rule.things):
+        if (
+            not RELATIONS[rule.kind].separable
+            or rule.frame != site.parent
+            or not any(name in number for name in rule.things)
+        ):
             continue
         dx, dy = rule.direction
         min_separation_m, ends = rule.gap_m, []
@@ -333,7 +339,7 @@ def pack_shelves(
     model: SolverModel,
     names: Sequence[str],
     standing: Mapping[str, Placed],
-    rules: Sequence[RelationIR],
+    rules: Sequence[SceneRelation],
     seed: int,
     steps: int,
 ) -> tuple[dict[str, Placement], int]:

@@ -15,9 +15,9 @@ from typing import NamedTuple
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import Volume
-from scenec.solve.model import SLACK_M, SolverModel
+from scenec.solve.model import SolverModel
 from scenec.solve.placed import Placed, bounds_gap
+from scenec.solve.planar import SLACK_M
 from scenec.solve.resting import CONTACT_M, GRAIN_M
 
 
@@ -32,7 +32,7 @@ class StackLevel(NamedTuple):
 def stands_on_contents(model: SolverModel, placed: Placed) -> bool:
     """Whether other contents must support it: off the floor of a volume, and without fixed poses."""
     thing = model.things[placed.name]
-    return isinstance(thing.place, Volume) and placed.placement.base_m > SLACK_M and not thing.domain.fixed_poses
+    return thing.place.is_volume and placed.placement.base_m > SLACK_M and not thing.domain.fixed_poses
 
 
 def unsupported(model: SolverModel, assignment: Mapping[str, Placed], parent: str, place: str) -> set[str]:
@@ -78,7 +78,7 @@ def stack_levels(model: SolverModel, assignment: Mapping[str, Placed], name: str
     """Heights at which contents of its volume may support a thing, lowest first. Contents that are owners of other
     things support nothing."""
     thing = model.things[name]
-    if not isinstance(thing.place, Volume) or thing.domain.fixed_poses:
+    if not thing.place.is_volume or thing.domain.fixed_poses:
         return []
     floor = float(thing.place.origin_P_m[2])
     mates = [

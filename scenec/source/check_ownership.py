@@ -11,7 +11,8 @@ from scenec.ir.problem import Path
 from scenec.source.hint import did_you_mean
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, finding
-from schemas.scene.program import BACKGROUND, DiscretePlacement, Group, Placement, SlotGroup
+from schemas.scene.geometry import BACKGROUND
+from schemas.scene.program import DiscretePlacement, Group, Placement, SlotGroup
 
 
 def check_ownership(names: Names, spans: Spans) -> Iterator[Diagnostic]:

@@ -9,34 +9,20 @@ from scenec.ir.problem import Path
 from scenec.source.hint import did_you_mean
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, finding
-from schemas.scene.program import BACKGROUND, Relation
-
-DIRECTIONS = ("left_of", "right_of", "front_of", "behind")
-WORDS = (*DIRECTIONS, "near", "far_from", "aligned", "facing", "between")
-_OPTIONS: dict[str, frozenset[str]] = {
-    **{word: frozenset({"gap", "frame", "viewpoint"}) for word in DIRECTIONS},
-    "near": frozenset({"distance"}),
-    "far_from": frozenset({"distance"}),
-    "aligned": frozenset({"axis", "tolerance", "frame"}),
-    "facing": frozenset({"tolerance", "tolerance_deg"}),
-    "between": frozenset({"tolerance"}),
-}
-
-
-def words_of(relation: Relation) -> list[str]:
-    """The relation words that a relation uses; valid relations use one."""
-    return [word for word in WORDS if getattr(relation, word) is not None]
+from schemas.scene.geometry import BACKGROUND
+from schemas.scene.relations import WORD, Relation, RelationWord
 
 
 def check_relations(names: Names, spans: Spans) -> Iterator[Diagnostic]:
     """Findings about each relation, without regard to the others."""
     for i, relation in enumerate(names.program.relations):
-        path, words = ("relations", i), words_of(relation)
+        path, words = ("relations", i), relation.words
         if len(words) != 1:
-            problem = f"says {' and '.join(words)} at once" if words else "has no relation word"
+            at_once = " and ".join(row.word for row in words)
+            problem = f"says {at_once} at once" if words else "has no relation word"
             yield finding("scene/relation-words", f"`{written(path)}` {problem}", where=spans.place(path))
             continue
-        yield from _things(names, words[0], getattr(relation, words[0]), spans, path)
+        yield from _things(names, words[0].word, relation.members(words[0]), spans, path)
         yield from _options(relation, words[0], spans, path)
         if relation.frame is not None:
             yield from _frame(names, relation.frame, spans, (*path, "frame"))
@@ -57,16 +43,36 @@ def _things(names: Names, word: str, things: tuple[str, ...], spans: Spans, path
         seen |= set(stands_for)
 
 
-def _options(relation: Relation, word: str, spans: Spans, path: Path) -> Iterator[Diagnostic]:
-    for key in sorted(relation.model_fields_set - {word} - _OPTIONS[word] - set(WORDS)):
-        allowed = ", ".join(f"`{option}`" for option in sorted(_OPTIONS[word]))
-        headline = f"`{key}` has no effect on {word}, which takes {allowed}"
+def _options(relation: Relation, row: RelationWord, spans: Spans, path: Path) -> Iterator[Diagnostic]:
+    for key in sorted(relation.model_fields_set - row.keys - set(WORD)):
+        allowed = ", ".join(f"`{option}`" for option in sorted(row.keys))
+        headline = f"`{key}` has no effect on {row.word}, which takes {allowed}"
         yield finding("scene/option-without-effect", headline, where=spans.key((*path, key)))
-    if word in ("near", "far_from") and relation.distance is None:
-        yield finding("scene/missing-key", f"`{written(path)}` needs `distance`", where=spans.place(path))
-    if relation.tolerance is not None and relation.tolerance_deg is not None:
-        headline = f"`{written(path)}` gives its tolerance twice"
-        yield finding("scene/given-twice", headline, where=spans.key((*path, "tolerance_deg")))
+    for key, other in row.only_with:
+        if key in relation.model_fields_set and not getattr(relation, other):
+            headline = f"`{key}` has no effect on {row.word} without `{other}`"
+            yield finding("scene/option-without-effect", headline, where=spans.key((*path, key)))
+    given = [key for key in row.needs if getattr(relation, key)]
+    if row.needs and not given:
+        needed = " or ".join(f"`{key}`" for key in row.needs)
+        yield finding("scene/missing-key", f"`{written(path)}` needs {needed}", where=spans.place(path))
+    elif len(given) > 1:
+        headline = f"`{written(path)}` gives {' and '.join(f'`{key}`' for key in given)}, of which one counts"
+        yield finding("scene/given-twice", headline, where=spans.key((*path, given[1])))
+    for key in sorted(set(row.radians).difference(row.needs)):
+        if getattr(relation, key) is not None and getattr(relation, f"{key}_deg") is not None:
+            headline = f"`{written(path)}` gives its {key.replace('_', ' ')} twice"
+            yield finding("scene/given-twice", headline, where=spans.key((*path, f"{key}_deg")))
+    distance = relation.distance
+    if isinstance(distance, tuple) and distance[0] > distance[1]:
+        headline = f"`{written((*path, 'distance'))}` ends at {distance[1]:g} before it begins at {distance[0]:g}"
+        yield finding(
+            "scene/range-reversed",
+            headline,
+            where=spans.place((*path, "distance")),
+            value=distance[1],
+            bound=distance[0],
+        )
 
 
 def _frame(names: Names, frame: str, spans: Spans, path: Path) -> Iterator[Diagnostic]:

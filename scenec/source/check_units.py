@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from math import pi, radians
 
 from scenec.ir.problem import Path
-from scenec.source.check_relations import words_of
 from scenec.source.listing import WrittenAsset, written_assets, written_yaws
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Severity, finding
@@ -38,8 +37,10 @@ def check_units(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
             path = ("variants", "lighting", i, "rotation")
             yield from _angle(path, lighting.rotation, WHOLE_HEADING_RAD, spans, in_degrees=False)
     for i, relation in enumerate(program.relations):
-        if relation.tolerance is not None and words_of(relation) == ["facing"]:
-            yield from _angle(("relations", i, "tolerance"), relation.tolerance, WHOLE_TOLERANCE_RAD, spans)
+        angles = {key for row in relation.words for key in row.radians} if len(relation.words) == 1 else ()
+        for key in sorted(angles):
+            if (angle := getattr(relation, key)) is not None:
+                yield from _angle(("relations", i, key), angle, WHOLE_TOLERANCE_RAD, spans)
     for asset in written_assets(program):
         yield from _size(asset, spans)
 

@@ -17,16 +17,8 @@ from scenec.source.hint import did_you_mean
 from scenec.source.listing import written_assets, written_placings, written_yaws
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
-from schemas.scene.program import (
-    BACKGROUND,
-    AuthoredPolygon,
-    DiscretePlacement,
-    FixedAsset,
-    Pose,
-    Ranges,
-    SceneProgram,
-    SlotGroup,
-)
+from schemas.scene.geometry import BACKGROUND
+from schemas.scene.program import AuthoredPolygon, DiscretePlacement, FixedAsset, Pose, Ranges, SceneProgram, SlotGroup
 
 
 def check_program(program: SceneProgram, spans: Spans) -> tuple[Diagnostic, ...]:

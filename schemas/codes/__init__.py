@@ -13,6 +13,7 @@ from schemas.codes.gate import GATE_CODES
 from schemas.codes.intake import INTAKE_CODES
 from schemas.codes.plan import PLAN_CODES
 from schemas.codes.replay import REPLAY_CODES
+from schemas.codes.robot import ROBOT_CODES
 from schemas.codes.scene import SCENE_CODES
 from schemas.codes.shape import SHAPE_CODES
 from schemas.codes.use import USE_CODES
@@ -26,4 +27,5 @@ CODES: dict[str, CodeInfo] = {
     **SCENE_CODES,
     **PLAN_CODES,
     **REPLAY_CODES,
+    **ROBOT_CODES,
 }

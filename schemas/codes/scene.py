@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from schemas.codes.code_info import CodeInfo
+from schemas.scene.relations import RELATION_WORDS
 
 SCENE_CODES: dict[str, CodeInfo] = {
     # The text and its includes.
@@ -169,7 +170,7 @@ SCENE_CODES: dict[str, CodeInfo] = {
         "error",
         "A relation says nothing, or two things at once",
         "Each entry is one relation, so that a conflict can name it.",
-        "write one of left_of, right_of, front_of, behind, near, far_from, aligned, facing, between per entry",
+        f"write one of {', '.join(row.word for row in RELATION_WORDS)} per entry",
     ),
     "scene/relation-self": CodeInfo(
         "error",

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.diagnostics import Diagnostic, Location
+from schemas.scene.geometry import Prism
 from schemas.scene.program import Inline
 
 SCHEMA_VERSION = "1.0"
@@ -18,14 +19,6 @@ Quat_wxyz = tuple[float, float, float, float]
 
 class _Model(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore")
-
-
-class Prism(_Model):
-    """A convex piece of collision geometry seen from above: an outline in x and y, and the heights it spans."""
-
-    outline_m: tuple[Point2, ...]
-    low_m: float
-    high_m: float
 
 
 class PlacedObject(_Model):

@@ -8,25 +8,20 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-BACKGROUND = "background"
-Length = Annotated[float, Field(gt=0.0)]
-Distance = Annotated[float, Field(ge=0.0)]
-Range = tuple[float, float]
+from schemas.scene.relations import Relation
+from schemas.scene.written import Distance, Length, Range, Written
+
 Point2 = tuple[float, float]
 Point3 = tuple[float, float, float]
 Quat_wxyz = tuple[float, float, float, float]
 
 
-class _Written(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
 # What an object is.
 
 
-class BoxAsset(_Written):
+class BoxAsset(Written):
     """A solid box that needs no package; its top face is the surface `top`."""
 
     type: Literal["box"]
@@ -35,7 +30,7 @@ class BoxAsset(_Written):
     color: str | None = None
 
 
-class CylinderAsset(_Written):
+class CylinderAsset(Written):
     """A solid upright cylinder; its top face is the surface `top`."""
 
     type: Literal["cylinder"]
@@ -45,7 +40,7 @@ class CylinderAsset(_Written):
     color: str | None = None
 
 
-class SphereAsset(_Written):
+class SphereAsset(Written):
     """A solid ball."""
 
     type: Literal["sphere"]
@@ -54,21 +49,21 @@ class SphereAsset(_Written):
     color: str | None = None
 
 
-class FixedAsset(_Written):
+class FixedAsset(Written):
     """One package by its asset id."""
 
     type: Literal["fixed"]
     id: str
 
 
-class AssetCandidates(_Written):
+class AssetCandidates(Written):
     """A named set of packages that may replace one another."""
 
     id: str
     assets: tuple[str, ...] = Field(min_length=1)
 
 
-class PoolAsset(_Written):
+class PoolAsset(Written):
     """Any of the candidates; all must be able to play the object's role."""
 
     type: Literal["pool"]
@@ -81,7 +76,7 @@ Asset: TypeAlias = Annotated[
 ]
 
 
-class SceneObject(_Written):
+class SceneObject(Written):
     """One thing of the scene under its stable id."""
 
     id: str
@@ -91,7 +86,7 @@ class SceneObject(_Written):
     scale: Length = 1.0
 
 
-class Background(_Written):
+class Background(Written):
     """The fixed environment under all objects. Its frame is the world's unless `position`, `yaw` say otherwise."""
 
     asset: Asset | str
@@ -104,7 +99,7 @@ class Background(_Written):
 # Where things may be.
 
 
-class AuthoredPolygon(_Written):
+class AuthoredPolygon(Written):
     """A surface or opening drawn by hand in the owning asset's frame, at height `z`."""
 
     outline: tuple[Point2, ...] = Field(min_length=3)
@@ -113,7 +108,7 @@ class AuthoredPolygon(_Written):
     height: Length | None = Field(default=None, description="free height above it; of a volume: its usable height")
 
 
-class AnchorRef(_Written):
+class AnchorRef(Written):
     """A named place of an object: `auto` takes its main surface or volume, a name one of the package."""
 
     object: str
@@ -121,7 +116,7 @@ class AnchorRef(_Written):
     volume: Literal["auto"] | str | AuthoredPolygon | None = None
 
 
-class Ranges(_Written):
+class Ranges(Written):
     """Bounds of the asset origin and heading in the anchor's frame; what is absent is free."""
 
     x: Range | None = None
@@ -130,7 +125,7 @@ class Ranges(_Written):
     yaw_deg: Range | None = None
 
 
-class Pose(_Written):
+class Pose(Written):
     """A complete pose in the anchor's frame; `z` is the height of the asset origin over the anchor."""
 
     x: float
@@ -144,7 +139,7 @@ class Pose(_Written):
 Orientation: TypeAlias = Literal["upright", "stable"] | tuple[Quat_wxyz, ...]
 
 
-class SurfacePlacement(_Written):
+class SurfacePlacement(Written):
     """Placement on a surface, the footprint wholly on its polygon."""
 
     type: Literal["surface"]
@@ -153,7 +148,7 @@ class SurfacePlacement(_Written):
     orientation: Orientation = "upright"
 
 
-class VolumePlacement(_Written):
+class VolumePlacement(Written):
     """Inside a receptacle, on its floor or on what lies there."""
 
     type: Literal["volume"]
@@ -162,7 +157,7 @@ class VolumePlacement(_Written):
     orientation: Orientation = "upright"
 
 
-class DiscretePlacement(_Written):
+class DiscretePlacement(Written):
     """One of the poses written down, in the frame of an anchor."""
 
     type: Literal["discrete"]
@@ -174,14 +169,14 @@ class DiscretePlacement(_Written):
 Placement: TypeAlias = Annotated[SurfacePlacement | VolumePlacement | DiscretePlacement, Field(discriminator="type")]
 
 
-class LayoutNode(_Written):
+class LayoutNode(Written):
     """One placed thing. Without `placement` a group must own it."""
 
     object: str
     placement: Placement | None = None
 
 
-class RegionGroup(_Written):
+class RegionGroup(Written):
     """Members share a stretch of a support."""
 
     type: Literal["region"]
@@ -191,7 +186,7 @@ class RegionGroup(_Written):
     orientation: Orientation = "upright"
 
 
-class ScatterGroup(_Written):
+class ScatterGroup(Written):
     """A denser, repeated collection: `count` copies of each member's object where it is given."""
 
     type: Literal["scatter"]
@@ -202,7 +197,7 @@ class ScatterGroup(_Written):
     orientation: Orientation = "upright"
 
 
-class VolumeGroup(_Written):
+class VolumeGroup(Written):
     """Members lie together in a receptacle."""
 
     type: Literal["volume"]
@@ -212,7 +207,7 @@ class VolumeGroup(_Written):
     orientation: Orientation = "upright"
 
 
-class Slot(_Written):
+class Slot(Written):
     """One authored place of a slot group."""
 
     id: str
@@ -223,7 +218,7 @@ class Slot(_Written):
     yaw_deg: float | None = None
 
 
-class SlotGroup(_Written):
+class SlotGroup(Written):
     """Each member takes a slot of its own; `assign` fixes which."""
 
     type: Literal["slot"]
@@ -231,51 +226,20 @@ class SlotGroup(_Written):
     surface: str | None = None
     volume: str | None = None
     slots: tuple[Slot, ...] = Field(min_length=1)
-    assign: dict[str, str] = {}
+    assign: dict[str, str] = Field(default={})
 
 
 Group: TypeAlias = Annotated[RegionGroup | ScatterGroup | VolumeGroup | SlotGroup, Field(discriminator="type")]
 
 
-class Layout(_Written):
+class Layout(Written):
     """Every placed node has exactly one owner: itself by `placement`, or one group."""
 
-    nodes: dict[str, LayoutNode] = {}
-    groups: dict[str, Group] = {}
+    nodes: dict[str, LayoutNode] = Field(default={})
+    groups: dict[str, Group] = Field(default={})
 
 
-# How things stand to one another.
-
-
-class Relation(_Written):
-    """One relation between placed nodes; exactly one of the first keys is given.
-
-    The default viewer is at -y of the support's frame and looks toward +y: `left_of: [a, b]` puts the whole
-    footprint of a at smaller x than that of b, by `gap`; `behind` at larger y. `frame` names the anchor or object whose
-    axes count, `viewpoint` turns the viewer. `near` and `far_from` bound the distance of footprints, `aligned` the
-    offset of origins across `axis`, `facing` turns the front (+x) of a toward b, `between: [a, b, c]` puts a's origin
-    between those of b and c.
-    """
-
-    left_of: tuple[str, str] | None = None
-    right_of: tuple[str, str] | None = None
-    front_of: tuple[str, str] | None = None
-    behind: tuple[str, str] | None = None
-    near: tuple[str, str] | None = None
-    far_from: tuple[str, str] | None = None
-    aligned: tuple[str, ...] | None = Field(default=None, min_length=2)
-    facing: tuple[str, str] | None = None
-    between: tuple[str, str, str] | None = None
-    gap: Distance = 0.0
-    distance: Length | None = Field(default=None, description="of near (at most) and far_from (at least)")
-    axis: Literal["x", "y"] = "x"
-    tolerance: Distance | None = Field(default=None, description="aligned, between: metres; facing: radians")
-    tolerance_deg: Distance | None = None
-    frame: str | None = None
-    viewpoint: Literal["front", "back", "left", "right"] = "front"
-
-
-class KeepOut(_Written):
+class KeepOut(Written):
     """A region of a surface that must stay empty, up to `height` above it."""
 
     id: str
@@ -285,7 +249,7 @@ class KeepOut(_Written):
     height: Length | None = None
 
 
-class Reach(_Written):
+class Reach(Written):
     """What a robot reaches: a ring around its base in the world, in which the origins of `members` must lie."""
 
     base: Point3
@@ -297,7 +261,7 @@ class Reach(_Written):
 # What may vary.
 
 
-class PairedMaterial(_Written):
+class PairedMaterial(Written):
     """A render recipe and the physics that belongs to it."""
 
     id: str
@@ -311,7 +275,7 @@ class PairedMaterial(_Written):
     restitution: Distance | None = None
 
 
-class Lighting(_Written):
+class Lighting(Written):
     """A lighting set-up with bounded channels: intensity, exposure, colour temperature, dome rotation."""
 
     id: str
@@ -321,7 +285,7 @@ class Lighting(_Written):
     rotation: Range | None = None
 
 
-class SlotVariant(_Written):
+class SlotVariant(Written):
     """Another assignment of a slot group."""
 
     id: str
@@ -329,21 +293,21 @@ class SlotVariant(_Written):
     assign: dict[str, str]
 
 
-class AssetVariant(_Written):
+class AssetVariant(Written):
     """Other assets for objects, chosen together."""
 
     id: str
     objects: dict[str, Asset | str]
 
 
-class BackgroundVariant(_Written):
+class BackgroundVariant(Written):
     """Another background."""
 
     id: str
     background: Background
 
 
-class Variants(_Written):
+class Variants(Written):
     """Alternatives within one program; the first three change geometry and are resolved before placement."""
 
     assets: tuple[AssetVariant, ...] = ()
@@ -353,21 +317,21 @@ class Variants(_Written):
     lighting: tuple[Lighting, ...] = ()
 
 
-class Split(_Written):
+class Split(Written):
     """Assets for training and for evaluation; no asset may be in both."""
 
     train: tuple[str, ...] = ()
     eval: tuple[str, ...] = ()
 
 
-class SceneProgram(_Written):
+class SceneProgram(Written):
     """A whole program, includes resolved."""
 
     scene: str = "scene"
     definition: dict[str, object] = Field(default={}, description="free facts about the scene, such as scene_type")
     background: Background | None = None
     objects: tuple[SceneObject, ...] = ()
-    anchors: dict[str, AnchorRef] = {}
+    anchors: dict[str, AnchorRef] = Field(default={})
     layout: Layout = Layout()
     relations: tuple[Relation, ...] = ()
     clearance: Distance = 0.01

@@ -17,8 +17,10 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from schemas.scene.compiled import Point2, Point3, Prism, Quat_wxyz
+from schemas.scene.compiled import Point2, Point3, Quat_wxyz
+from schemas.scene.geometry import Prism
 from schemas.scene.program import Inline, Lighting, PairedMaterial
+from schemas.scene.relations import RelationKind
 
 SCHEMA_VERSION = "1.1"
 Family = Literal["grid", "free_rectangle", "shelf", "guillotine", "seeded", "strip", "point"]
@@ -108,15 +110,18 @@ class PlanThing(_Model):
 
 
 class PlanRelation(_Model):
-    """As `scenec.ir.problem.RelationIR`: `direction` (unit) counts in the frame U of `frame`, a thing's id or
+    """As `schemas.scene.geometry.SceneRelation`: `direction` (unit) counts in the frame U of `frame`, a thing's id or
     `background`.
     """
 
-    kind: Literal["before", "near", "far_from", "aligned", "facing", "between"]
+    kind: RelationKind
     things: tuple[str, ...]
     direction: Point2
     gap_m: float = 0.0
     tolerance: float = 0.0
+    angle_rad: tuple[float, float] | None = Field(
+        default=None, exclude_if=lambda angle: angle is None, description="least and largest, of the kinds with angles"
+    )
     frame: str = "background"
     word: str = ""
 

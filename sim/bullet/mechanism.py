@@ -13,17 +13,19 @@ from pathlib import Path
 
 import numpy as np
 import pybullet
-from scipy.spatial.transform import Rotation
 
+from formats import write_urdf
 from geom.mass.principal_axes import principal_axes
+from geom.pose import matrix_of, pose
 from schemas.arrays import FloatArray
+from schemas.robot_description import DescribedJoint, DescribedLink, Inertial, JointLimits, RobotDescription
 from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque
 from sim.dynamics.joint_dynamics import joint_dynamics
 from sim.dynamics.mechanism import Law, MechanismModel, Windows, commanded_effort
 from sim.dynamics.tree import Link, Tree
 
 MECHANISM_STEP_S = 1e-3
-_BASE = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+_BOUNDLESS = 1e9  # N, N m, m/s, rad/s: more than any joint of a recording has
 
 
 def rollout(
@@ -136,7 +138,7 @@ def _load(model: MechanismModel, client: int) -> int:
     pybullet.setGravity(*model.gravity_W.tolist(), physicsClientId=client)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "mechanism.urdf"
-        file.write_text(urdf(rigid(model.tree)), encoding="utf-8")
+        file.write_bytes(write_urdf(described(rigid(model.tree))).data)
         flags = pybullet.URDF_USE_INERTIA_FROM_FILE  # Else the engine makes up its own.
         body = pybullet.loadURDF(str(file), useFixedBase=True, flags=flags, physicsClientId=client)
     off = {"linearDamping": 0.0, "angularDamping": 0.0, "physicsClientId": client}
@@ -170,34 +172,32 @@ def _rigid(tree: Tree, i: int) -> Link:
     return replace(plain, inertia_J=link.inertia_J + link.armature * np.eye(3))
 
 
-def urdf(tree: Tree) -> str:
-    """The tree as URDF text: a massless base, a link per joint, no shapes."""
-    parts = [f'<robot name="mechanism"><link name="base">{_BASE}</link>']
-    for i, link in enumerate(tree):
-        parts.append(_link(link, i) + _joint(link, "base" if link.parent < 0 else f"link_{link.parent}", i))
-    return "".join([*parts, "</robot>"])
+def described(tree: Tree) -> RobotDescription:
+    """The tree as a description: a base of 1 kg, a link per joint, no shapes.
+
+    Inertial frames lie along the principal axes; `_load` sets the moments.
+    """
+    base = DescribedLink("base", (), Inertial(1.0, np.eye(4), np.eye(3)), "declared")
+    links = [base, *(_described_link(link, i) for i, link in enumerate(tree))]
+    joints = [_described_joint(link, i) for i, link in enumerate(tree)]
+    return RobotDescription("mechanism", "urdf", tuple(links), tuple(joints), "base")
 
 
-def _link(link: Link, i: int) -> str:
-    """The link with its inertial frame along the principal axes; `_load` sets the moments."""
+def _described_link(link: Link, i: int) -> DescribedLink:
     moments, quat_wxyz = principal_axes(link.inertia_J)
-    rpy = Rotation.from_quat(np.roll(quat_wxyz, -1)).as_euler("xyz")
-    tensor = " ".join(f'{n}="{float(m)!r}"' for n, m in zip(("ixx", "iyy", "izz"), moments, strict=True))
-    return (
-        f'<link name="link_{i}"><inertial><origin xyz="{_text(link.com_J)}" rpy="{_text(rpy)}"/>'
-        f'<mass value="{float(link.mass_kg)!r}"/><inertia {tensor} ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    inertial = Inertial(link.mass_kg, pose(matrix_of(quat_wxyz), link.com_J), np.diag(moments))
+    return DescribedLink(f"link_{i}", (), inertial, "declared")
+
+
+def _described_joint(link: Link, i: int) -> DescribedJoint:
+    return DescribedJoint(
+        name=f"{i}",
+        kind="prismatic" if link.prismatic else "continuous",
+        parent="base" if link.parent < 0 else f"link_{link.parent}",
+        child=f"link_{i}",
+        X_PC=link.X_PJ,
+        axis_C=link.axis_J,
+        limits=JointLimits(1.0, -1.0),  # PyBullet takes limits that are upside down as none.
+        effort=_BOUNDLESS,
+        velocity=_BOUNDLESS,
     )
-
-
-def _joint(link: Link, parent: str, i: int) -> str:
-    kind = "prismatic" if link.prismatic else "continuous"
-    rpy = Rotation.from_matrix(link.X_PJ[:3, :3]).as_euler("xyz")
-    limit = '<limit lower="1" upper="-1" effort="1e9" velocity="1e9"/>'  # upside down: none
-    return (
-        f'<joint name="{i}" type="{kind}"><parent link="{parent}"/><child link="link_{i}"/>'
-        f'<origin xyz="{_text(link.X_PJ[:3, 3])}" rpy="{_text(rpy)}"/><axis xyz="{_text(link.axis_J)}"/>{limit}</joint>'
-    )
-
-
-def _text(values: FloatArray) -> str:
-    return " ".join(repr(float(v)) for v in values)

@@ -1,6 +1,6 @@
-"""Effects as data: a formula with its source, parameters with units and bounds, and a hook that simulates it.
+"""Hooks of effects: functions that act in a simulation step, by the place in the step where they act.
 
-The class of a hook gives the place in a simulation step where the effect acts:
+The class of a hook gives the place:
 
     command -> CommandMap -> controller -> EffortMap -> joint torque
         + JointTorque (smooth) + JointFriction (opposes motion) + BodyWrench -> dynamics -> SensorMap -> readings
@@ -18,28 +18,8 @@ from typing import Any
 
 from schemas.arrays import FloatArray
 from schemas.gap import Place
-from schemas.measurement import Kind
 
 Params = Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A number of an effect: SI unit (also the end of its name), bounds of what is plausible, value without effect."""
-
-    name: str
-    unit: str
-    low: float
-    high: float
-    null: float
-
-
-@dataclass(frozen=True)
-class Confusable:
-    """Another effect with a like signature, and the experiment that separates the two."""
-
-    effect: str
-    experiment: str
 
 
 @dataclass(frozen=True)
@@ -129,42 +109,18 @@ class BodyWrench:
 class SensorMap:
     """Reading of the sensor for a true motion (`report`), and the estimate of the true motion from it (`recover`).
 
-    Both work on the whole trial: a roll-out starts from the output of `recover` and is compared after `report`.
+    Both work on the whole trial: a roll-out starts from the output of `recover` and is compared after `report`. A map
+    that `spares_joints` changes poses alone where a log holds poses and joints.
+
+    A sensor with memory can `follow`: readings (w, k, j) of positions in windows with rows at t_s (w, k), from the
+    readings (w, j) at the first rows. Roll-outs are then compared with what it reads, since what is recovered from
+    readings has more noise than they have.
     """
 
     report: Callable[[Series, Params, Place], Series]
     recover: Callable[[Series, Params, Place], Series]
+    spares_joints: bool = False
+    follow: Callable[[FloatArray, FloatArray, FloatArray, Params], FloatArray] | None = None
 
 
 Hook = ModelChange | CommandMap | EffortMap | JointTorque | JointFriction | BodyWrench | SensorMap
-
-
-@dataclass(frozen=True)
-class Effect:
-    """One physical effect.
-
-    kinds        measurements that can reveal it.
-    formula, source   the law as text, and where it comes from.
-    reveals      what in the data shows it.
-    usd, urdf    attribute that carries it in those formats; empty where none can.
-    """
-
-    name: str
-    kinds: tuple[Kind, ...]
-    formula: str
-    source: str
-    reveals: str
-    parameters: tuple[Parameter, ...]
-    confusables: tuple[Confusable, ...]
-    hook: Hook
-    usd: str = ""
-    urdf: str = ""
-
-    @property
-    def family(self) -> str:
-        """`contact`, `body`, `world`, `joint`, `actuator`, `sensor` or `robot`."""
-        return self.name.partition(".")[0]
-
-    def null(self) -> dict[str, float]:
-        """Parameter values at which the effect is absent."""
-        return {p.name: p.null for p in self.parameters}

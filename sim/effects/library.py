@@ -1,8 +1,7 @@
-"""The list of all effects, in the order of the table in docs/reference/effects.md, and look-up by name."""
+"""The list of all effects: the one table of their names, in the order of docs/reference/effects.md; look-up by name."""
 
 from __future__ import annotations
 
-from sim.dynamics.hooks import Effect
 from sim.effects.actuator import bias, deadband, delay, gain, lag, ripple, saturation, supply_sag
 from sim.effects.body import com_offset, inertia, mass, size
 from sim.effects.contact import (
@@ -13,6 +12,7 @@ from sim.effects.contact import (
     rolling_friction,
     spinning_friction,
 )
+from sim.effects.effect import Effect
 from sim.effects.joint import (
     armature,
     axis_tilt,
@@ -28,8 +28,10 @@ from sim.effects.joint import (
     stribeck_friction,
     viscous_friction,
 )
+from sim.effects.robot import pd_gains
 from sim.effects.sensor import bias as sensor_bias
 from sim.effects.sensor import clock_skew, frame_rotation, latency, scale, velocity_age
+from sim.effects.sensor import lag as sensor_lag
 from sim.effects.world import constant_force, gravity_magnitude, gravity_tilt, linear_drag
 from sim.effects.world import quadratic_drag as world_quadratic_drag
 
@@ -71,12 +73,16 @@ EFFECTS: tuple[Effect, ...] = (
     deadband.EFFECT,
     supply_sag.EFFECT,
     latency.EFFECT,
+    sensor_lag.EFFECT,
     sensor_bias.EFFECT,
     scale.EFFECT,
     clock_skew.EFFECT,
     frame_rotation.EFFECT,
     velocity_age.EFFECT,
+    pd_gains.EFFECT,
 )
+EFFECT_NAMES: tuple[str, ...] = tuple(e.name for e in EFFECTS)
+RESERVED_NAMES: tuple[str, ...] = ("robot.payload",)  # documented, without an effect yet
 
 
 def effect(name: str) -> Effect:
@@ -84,4 +90,4 @@ def effect(name: str) -> Effect:
     for listed in EFFECTS:
         if listed.name == name:
             return listed
-    raise KeyError(f"unknown effect '{name}'; known are {', '.join(e.name for e in EFFECTS)}")
+    raise KeyError(f"unknown effect '{name}'; known are {', '.join(EFFECT_NAMES)}")

@@ -13,24 +13,20 @@ from schemas.diagnostics import InvalidInput, finding
 from schemas.evidence import Evidence, measured
 from schemas.gap import AppliedEffect, Estimate, ModelExtension
 from schemas.measured_physics import MeasuredJoint, MeasuredPhysics
+from sim.effects.effect import PackageField
 from sim.effects.library import effect
 
 CONFIDENCE = 0.95  # that of the interval
-_URDF_CONTACT = {  # PyBullet's children of <contact>, by effect and parameter
-    "contact.rolling_friction": {"lever_m": "rolling_friction"},
-    "contact.spinning_friction": {"lever_m": "spinning_friction"},
-    "contact.compliance": {"stiffness_Npm": "stiffness", "damping_Nspm": "damping"},
-}
+_RELATIVE = ("inertia_kgm2", "centre_of_mass_m")  # fields whose effects are relative to the declared body
 _ELSEWHERE = {
     "world": "it belongs to the surroundings, not to the asset",
     "actuator": "it belongs to the drive, not to a rigid body",
     "sensor": "it belongs to the sensor, not to the asset",
-    "robot": "neither USD nor URDF describes it",
+    "robot": "it belongs to the controller, not to a rigid body",
     "joint": "the package is one rigid body without joints; give the URDF of the mechanism instead",
     "body": "neither USD nor URDF has an attribute for it",
     "contact": "neither USD nor URDF has an attribute for it",
 }
-_SIZE = "the shape itself is wrong: scale the source and ingest it again"
 
 
 @dataclass(frozen=True)
@@ -68,36 +64,24 @@ def package_physics(
     fields: dict[str, Evidence] = {}
     contact: dict[str, float] = {}
     rows: list[Row] = []
+    mass_kg = _mass_kg(extension.effects, section)
     by_name = _by_name(extension.effects)
-    mass = by_name.get("body.mass")
-    mass_kg = mass.parameters["mass_kg"].value if mass else section.mass_kg.value
     for applied in extension.effects:
-        name, say = applied.name, _method(applied, extension)
-        if by_name[name] is not applied:
+        known, method = effect(applied.name), _method(applied, extension)
+        key, tags = known.export.package, known.export.urdf_contact
+        if by_name[applied.name] is not applied:
             rows.append(_kept(applied, "the package holds one value, that of the first place"))
-        elif name in ("body.mass", "contact.friction", "contact.restitution"):
-            key = name.partition(".")[2]
-            (value,) = applied.parameters.values()
-            fields["mass_kg" if key == "mass" else key] = measured(
-                value.value, say, confidence=CONFIDENCE, bounds=value.ci95
-            )
+        elif key in _RELATIVE and body is None:
+            rows.append(_kept(applied, reason))
+        elif key is not None:
+            fields[key] = _evidence(key, applied, mass_kg, body, method)
             rows.append(_written(applied))
-        elif name in ("body.com_offset", "body.inertia"):
-            if body is None:
-                rows.append(_kept(applied, reason))
-                continue
-            if name == "body.inertia":
-                tensor = body.inertia_per_kg * mass_kg
-                fields["inertia_kgm2"] = _inertia(applied.parameters["factor"], tensor, say)
-            else:
-                fields["centre_of_mass_m"] = _centre(applied, body.p_AB, say)
-            rows.append(_written(applied))
-        elif name in _URDF_CONTACT:
-            contact |= {tag: applied.parameters[p].value for p, tag in _URDF_CONTACT[name].items()}
-            tags = tuple(f"URDF contact/{tag}" for tag in _URDF_CONTACT[name].values())
-            rows.append(Row(name, str(applied.where), applied.parameters, tags))
+        elif tags:
+            contact |= {tag: applied.parameters[p].value for p, tag in tags.items()}
+            written = tuple(f"URDF contact/{tag}" for tag in tags.values())
+            rows.append(Row(applied.name, str(applied.where), applied.parameters, written))
         else:
-            rows.append(_kept(applied, _SIZE if name == "body.size" else _ELSEWHERE[effect(name).family]))
+            rows.append(_kept(applied, known.export.left_out or _ELSEWHERE[known.family]))
     return MeasuredPhysics(extension_json=extension_json, urdf_contact=contact, **fields), tuple(rows)
 
 
@@ -106,24 +90,21 @@ def joint_physics(extension: ModelExtension) -> tuple[dict[str, MeasuredJoint], 
     joints: dict[str, dict[str, Estimate]] = {}
     rows: list[Row] = []
     for applied in extension.effects:
-        joint, p = applied.where.joint, applied.parameters
-        found: dict[str, Estimate] = {}
-        if applied.name == "joint.coulomb_friction":
-            found = {"friction": p["torque_Nm"]}
-        elif applied.name == "joint.viscous_friction":
-            found = {"damping": p["damping_Nms_per_rad"]}
-        elif applied.name == "joint.hard_stop":
-            found = {side: p[f"{side}_rad"] for side in ("lower", "upper") if _met(p[f"{side}_rad"])}
-        elif applied.name == "actuator.saturation":
-            found = {"effort": p["limit_Nm"]}
-        if joint is None or not found:
-            family = effect(applied.name).family
-            known = "URDF has no attribute for it" if family in ("joint", "actuator") else _ELSEWHERE[family]
-            why = "a body's numbers go into its package" if family in ("body", "contact") else known
+        joint, known = applied.where.joint, effect(applied.name)
+        exported = {
+            name: applied.parameters[p]
+            for p, name in known.export.urdf_joint.items()
+            if applied.parameters[p].value >= known.export.urdf_least
+            and (_reached(applied.parameters[p]) or not known.export.only_reached)
+        }
+        if joint is None or not exported:
+            family = known.family
+            elsewhere = "URDF has no attribute for it" if family in ("joint", "actuator") else _ELSEWHERE[family]
+            why = "a body's numbers go into its package" if family in ("body", "contact") else elsewhere
             rows.append(_kept(applied, why))
             continue
-        joints.setdefault(joint, {}).update(found)
-        rows.append(Row(applied.name, joint, applied.parameters, (f"URDF {effect(applied.name).urdf}",)))
+        joints.setdefault(joint, {}).update(exported)
+        rows.append(Row(applied.name, joint, applied.parameters, (f"URDF {known.export.urdf}",)))
     return {name: MeasuredJoint(**{k: v.value for k, v in values.items()}) for name, values in joints.items()}, tuple(
         rows
     )
@@ -147,6 +128,24 @@ def _by_name(effects: Iterable[AppliedEffect]) -> dict[str, AppliedEffect]:
     return first
 
 
+def _mass_kg(effects: Iterable[AppliedEffect], section: PhysicsSection) -> float:
+    """Mass of the package with the effects."""
+    measured_kg = [a.parameters["mass_kg"].value for a in effects if effect(a.name).export.package == "mass_kg"]
+    return measured_kg[0] if measured_kg else section.mass_kg.value
+
+
+def _evidence(
+    key: PackageField, applied: AppliedEffect, mass_kg: float, body: MeasuredBody | None, method: str
+) -> Evidence:
+    """The value of a field of the package."""
+    if key == "inertia_kgm2" and body is not None:
+        return _inertia(applied.parameters["factor"], body.inertia_per_kg * mass_kg, method)
+    if key == "centre_of_mass_m" and body is not None:
+        return _centre(applied, body.p_AB, method)
+    (value,) = applied.parameters.values()
+    return measured(value.value, method, confidence=CONFIDENCE, bounds=value.ci95)
+
+
 def _method(applied: AppliedEffect, extension: ModelExtension) -> str:
     return f"{applied.name}, 95 % interval, from measurement {extension.measurement[:12]}"
 
@@ -166,13 +165,15 @@ def _centre(applied: AppliedEffect, p_AB: FloatArray, method: str) -> Evidence[V
 
 def _written(applied: AppliedEffect) -> Row:
     known = effect(applied.name)
-    return Row(applied.name, str(applied.where), applied.parameters, (f"USD {known.usd}", f"URDF {known.urdf}"))
+    return Row(
+        applied.name, str(applied.where), applied.parameters, (f"USD {known.export.usd}", f"URDF {known.export.urdf}")
+    )
 
 
 def _kept(applied: AppliedEffect, why: str) -> Row:
     return Row(applied.name, str(applied.where), applied.parameters, why=why)
 
 
-def _met(stop: Estimate) -> bool:
+def _reached(stop: Estimate) -> bool:
     """Whether the trials came to this end of travel: where none did, no value was found, and it has no interval."""
     return stop.ci95[0] < stop.ci95[1]

@@ -8,7 +8,9 @@ from dataclasses import replace
 import numpy as np
 from scipy import stats
 
+from schemas.gap import Criterion, Reason
 from simgap.inference.candidate_fit import CandidateFit
+from simgap.inference.decision import Decision, criterion, decide, either
 from simgap.inference.direct_comparison import DIRECT_ALPHA
 from simgap.inference.parametric_bootstrap import MethodBias
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
@@ -17,27 +19,34 @@ AGREE_ERRORS = 3.0
 AGREE_SHARE = 0.5  # of the larger of the two: within a factor of two, either way
 _TESTS = 2.0  # of losses and of strengths, as on roll-outs: a Bonferroni factor
 _FIXED_RANGE = 1e-6  # relative half width of the bounds that fix a value
+NO_DIRECT_ESTIMATE = decide([(Reason.NO_DIRECT_ESTIMATE, criterion("direct estimates", 0, ">", 0))])
 
 
-def agrees(candidate_fit: CandidateFit) -> bool | None:
-    """Whether the direct estimate agrees with the fit; None without a direct estimate."""
+def agrees(candidate_fit: CandidateFit) -> Decision:
+    """Kept if the direct estimate agrees with the fit; without a direct estimate that is the reason."""
     if candidate_fit.direct is None:
-        return None
+        return NO_DIRECT_ESTIMATE
     return agree(
         candidate_fit.fit.model[-1], candidate_fit.fit.half_widths[candidate_fit.candidate.key], candidate_fit.direct
     )
 
 
-def agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> bool:
-    """Whether both have one sign and lie within a factor of two of one another, or within their errors."""
+def agree(term: Term, widths: dict[str, float], direct: DirectEstimate) -> Decision:
+    """Kept if both have one sign and lie within a factor of two of one another, or within their errors."""
     strength = _strength(term, widths)
     null, fitted = term.candidate.null[strength], term.values[strength]
     step = fitted - null
     apart = direct.values[strength] - fitted
     noise = float(np.hypot(direct.standard_errors[strength], widths.get(strength, 0.0) / 1.96))
     slack = max(AGREE_ERRORS * noise, AGREE_SHARE * max(abs(step), abs(direct.values[strength] - null)))
-    one_way = step * (direct.values[strength] - null) > 0.0
-    return _is_significant(direct, term.candidate, strength) and one_way and abs(apart) <= slack
+    one_way = step * (direct.values[strength] - null)
+    return decide(
+        [
+            (Reason.DIRECT_NOT_SIGNIFICANT, _significance(direct, term.candidate, strength)),
+            (Reason.DIRECT_DISAGREES, criterion(f"product of both estimates of {strength}", one_way, ">", 0.0)),
+            (Reason.DIRECT_DISAGREES, criterion(f"distance of both estimates of {strength}", abs(apart), "<=", slack)),
+        ]
+    )
 
 
 def direct_agreement(
@@ -48,43 +57,53 @@ def direct_agreement(
     others: Model,
     trials: Sequence[str],
     alone: bool,
-) -> tuple[DirectEstimate | None, bool]:
-    """The direct estimate of an accepted effect beside the other effects, and whether it agrees with the fit.
+) -> tuple[DirectEstimate | None, Decision]:
+    """The direct estimate of an accepted effect beside the other effects, and the decision whether it agrees.
 
     Both belong to the final model: values move as further effects are accepted. Strengths are compared at one shape,
     because a strength depends on it: torque at rest beside the speed at which it has decayed.
     """
     direct = candidate_fit.direct
-    if direct is None or (alone and agree(term, widths, direct)):
-        return direct, direct is not None
+    if direct is None:
+        return None, NO_DIRECT_ESTIMATE
+    if alone and (agreement := agree(term, widths, direct)).kept:
+        return direct, agreement
     direct = problem.direct(candidate_fit.candidate, others, trials)
-    if direct is None or agree(term, widths, direct) or not term.candidate.shapes:
-        return direct, direct is not None and agree(term, widths, direct)
+    if direct is None:
+        return None, NO_DIRECT_ESTIMATE
+    agreement = agree(term, widths, direct)
+    if agreement.kept or not term.candidate.shapes:
+        return direct, agreement
     pinned = problem.direct(with_fixed_shape(term), others, trials)
-    if pinned is None or not agree(term, widths, pinned):
-        return direct, False
-    return _strengths_at_fixed_shape(direct, pinned, term.candidate), True
+    if pinned is None:
+        return direct, agreement
+    agreement = agree(term, widths, pinned)
+    return (_strengths_at_fixed_shape(direct, pinned, term.candidate) if agreement.kept else direct), agreement
 
 
-def exceeds_method_bias(term: Term, direct: DirectEstimate, method_bias: MethodBias) -> bool:
-    """Whether the direct estimate of some strength exceeds the bias of the direct method."""
+def exceeds_method_bias(term: Term, direct: DirectEstimate, method_bias: MethodBias) -> Decision:
+    """Kept if the direct estimate of some strength exceeds the bias of the direct method."""
     null = term.candidate.null
-    return not method_bias.direct or any(
-        abs(direct.values[n] - null[n]) > least for n, least in method_bias.direct.items()
-    )
+    distances = [
+        criterion(f"distance of the direct {n} from no effect", abs(direct.values[n] - null[n]), ">", least)
+        for n, least in method_bias.direct.items()
+    ]
+    return decide([(Reason.METHOD_BIAS, either(*distances))] if distances else [])
 
 
-def _is_significant(direct: DirectEstimate, candidate: Candidate, strength: str) -> bool:
+def _significance(direct: DirectEstimate, candidate: Candidate, strength: str) -> Criterion:
     """Whether a direct estimate differs from none beyond chance: by held-out losses, or by its error over trials.
 
     The second test detects far smaller effects, as on roll-outs. Thresholds have the first test only: their standard
     error is small wherever they lie.
     """
     error = direct.standard_errors[strength]
-    if direct.p_value < DIRECT_ALPHA or candidate.extra_starts or direct.trials < 2 or error <= 0.0:
-        return direct.p_value < DIRECT_ALPHA
+    of_losses = criterion("direct p-value", direct.p_value, "<", DIRECT_ALPHA)
+    if of_losses.holds or candidate.extra_starts or direct.trials < 2 or error <= 0.0:
+        return of_losses
     t = abs(direct.values[strength] - candidate.null[strength]) / error
-    return bool(_TESTS * 2.0 * stats.t.sf(t, direct.trials - 1) < DIRECT_ALPHA)
+    p_value = _TESTS * 2.0 * float(stats.t.sf(t, direct.trials - 1))
+    return criterion(f"direct p-value of {strength} over its error", p_value, "<", DIRECT_ALPHA)
 
 
 def _strengths_at_fixed_shape(free: DirectEstimate, pinned: DirectEstimate, candidate: Candidate) -> DirectEstimate:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from schemas.gap import Reason
+from simgap.inference.decision import Decided, Decision, criterion, decide
 from simgap.inference.fit import Fit, is_twin
 from simgap.inference.losses import Comparison, affected_trials, compare, holm_adjusted, paired_p_where_affected
 from simgap.problem import Candidate, DirectEstimate
@@ -39,10 +41,14 @@ Map = Callable[[Callable[[Candidate], CandidateFit], Iterable[Candidate]], Itera
 
 @dataclass(frozen=True)
 class Screening:
-    """Fits of all candidates on one base, best first, with their adjusted p-values."""
+    """Fits of all candidates on one base, best first, with their adjusted p-values.
+
+    decisions   which candidates were fitted to the end.
+    """
 
     fits: tuple[CandidateFit, ...]
     p_adjusted: tuple[float, ...]
+    decisions: tuple[Decided, ...] = ()
 
     def p_of(self, key: str) -> float:
         """Adjusted p-value of a candidate; 1 for one that was not fitted."""
@@ -58,13 +64,13 @@ def ranked_screening(tried: Sequence[CandidateFit]) -> Screening:
     ordered = sorted(tried, key=lambda t: (-t.comparison.gain, t.candidate.key))
     p = [float(v) for v in holm_adjusted([t.comparison.p_value for t in ordered])]
     for k, t in enumerate(ordered):
-        if t.candidate.extra_starts and _singled_out(t, ordered):
+        if t.candidate.extra_starts and singled_out(t, ordered).kept:
             p[k] = t.comparison.p_value
     return Screening(tuple(ordered), tuple(p))
 
 
-def _singled_out(candidate_fit: CandidateFit, tried: Sequence[CandidateFit]) -> bool:
-    """Whether the direct loss of the trials that a candidate affects is far below that of any other candidate.
+def singled_out(candidate_fit: CandidateFit, tried: Sequence[CandidateFit]) -> Decision:
+    """Kept if the direct loss of the trials that a candidate affects is far below that of any other candidate.
 
     Most candidates change next to nothing: the median of their losses is the loss without any of them.
     """
@@ -73,11 +79,12 @@ def _singled_out(candidate_fit: CandidateFit, tried: Sequence[CandidateFit]) -> 
         for t in tried
         if t is not candidate_fit and t.direct is not None and t.direct.held_out is not None
     ]
-    if candidate_fit.direct is None or candidate_fit.direct.held_out is None or not other_losses:
-        return False
-    own_losses = candidate_fit.direct.held_out
-    changed = affected_trials(np.median(other_losses, axis=0), own_losses)
-    return bool(own_losses[changed].sum() < _SINGLED_OUT * min(losses[changed].sum() for losses in other_losses))
+    direct = candidate_fit.direct
+    if direct is None or direct.held_out is None or not other_losses:
+        return decide([(Reason.NO_DIRECT_ESTIMATE, criterion("direct losses to compare", 0, ">", 0))])
+    changed = affected_trials(np.median(other_losses, axis=0), direct.held_out)
+    least = _SINGLED_OUT * min(losses[changed].sum() for losses in other_losses)
+    return decide([(Reason.NOT_SINGLED_OUT, criterion("direct loss", direct.held_out[changed].sum(), "<", least))])
 
 
 def direct_held_out_loss(candidate_fit: CandidateFit) -> float:

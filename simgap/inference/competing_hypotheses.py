@@ -1,14 +1,15 @@
 """Competing hypotheses: candidates that fit no worse than an accepted effect, or make it vanish beside them.
 
 Two candidates are compared by cross-validated losses of the training trials. A difference counts if it is significant
-and larger than the errors of smoothing readings and inputs.
+and larger than the errors of smoothing readings and inputs. Each comparison gives a decision with its reason.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import replace
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 
+from schemas.gap import Criterion, Reason
 from simgap.inference.candidate_fit import (
     ALPHA,
     CandidateFit,
@@ -19,6 +20,7 @@ from simgap.inference.candidate_fit import (
     least_gain,
     warm_start_without,
 )
+from simgap.inference.decision import Decision, Test, criterion, decide, either, negation, place_name
 from simgap.inference.fit import Errors, Fit, extend, fit, is_twin
 from simgap.inference.losses import compare, paired_p
 from simgap.inference.search_state import SearchState
@@ -40,10 +42,26 @@ _RICHER = 1  # parameters more that a rival of another kind may have: a spring h
 _BEATEN_TOGETHER, _TOGETHER = 0.01, 0.8
 
 
+@dataclass(frozen=True)
+class Refitted:
+    """An accepted effect and its alternatives fitted in one place beside the other effects.
+
+    without    the model without any of them.
+    best       the fit that takes the place.
+    fits       all fits there, best first.
+    decision   whether the accepted effect keeps its place.
+    """
+
+    without: Fit
+    best: CandidateFit
+    fits: tuple[CandidateFit, ...]
+    decision: Decision
+
+
 def refit_beside_others(
     state: SearchState, accepted: CandidateFit, others: Sequence[CandidateFit], each: Map
-) -> tuple[Fit, CandidateFit, list[CandidateFit]]:
-    """The model without one accepted effect, the best effect in its place, and all fits there, best first.
+) -> Refitted:
+    """The accepted effect and others fitted again in its place.
 
     Another effect replaces the accepted one only if it is significantly better, or simpler and no worse.
     """
@@ -60,9 +78,16 @@ def refit_beside_others(
     tried = list(each(instead, [t.candidate for t in (accepted, *others)]))
     same = next(t for t in tried if t.candidate.key == accepted.candidate.key)
     tried.sort(key=lambda t: (-t.comparison.gain, t.candidate.key))
-    best = tried[0] if is_beaten(same, tried[0]) else same
-    simpler = (t for t in tried if len(t.candidate.null) < len(best.candidate.null) and not is_beaten(t, best))
-    return without, next(simpler, best), tried
+    against_best = is_as_good(same, tried[0])
+    leader = same if against_best.kept else tried[0]
+    simpler = (t for t in tried if len(t.candidate.null) < len(leader.candidate.null) and is_as_good(t, leader).kept)
+    best = next(simpler, leader)
+    if best is same:
+        return Refitted(without, best, tuple(tried), Decision(True, Reason.PASSED))
+    fewest = criterion("parameters of candidates as good", len(same.candidate.null), "<=", len(best.candidate.null))
+    criteria = (fewest,) if against_best.kept else against_best.criteria
+    decision = Decision(False, Reason.REPLACED_BY, criteria, place_name(best.candidate))
+    return Refitted(without, best, tuple(tried), decision)
 
 
 def alternatives(
@@ -97,40 +122,54 @@ def replacement(screening: Screening, base: Fit, accepted: Sequence[CandidateFit
     best = screening.fits[0]
     if screening.p_adjusted[0] >= ALPHA or best.comparison.gain <= least_gain(best.candidate):
         return None
-    for place, found in enumerate(accepted):
-        term = next(t for t in base.model if t.candidate.key == found.candidate.key)
-        if best.fit.strength_exceeds({}) and vanishes(term, best.fit):
+    for place, replaced in enumerate(accepted):
+        term = next(t for t in base.model if t.candidate.key == replaced.candidate.key)
+        if best.fit.strength_exceeds({}).kept and not persists(term, best.fit).kept:
             return place, best
     return None
 
 
-def replaces_an_effect(extended: Fit, base: Fit) -> bool:
-    """Whether an effect of the base vanishes beside the new one: the new one is then a replacement, not an addition."""
-    return any(vanishes(term, extended) for term in base.model)
+def adds_to(base: Fit, extended: Fit) -> Decision:
+    """Kept if all effects of the base persist beside the new one: else it is a replacement, not an addition."""
+    by_term = [persists(term, extended) for term in base.model]
+    return next((d for d in by_term if not d.kept), Decision(True, Reason.PASSED))
 
 
-def vanishes(term: Term, extended: Fit) -> bool:
-    """Whether little of a term's strength is left in another fit."""
+def persists(term: Term, extended: Fit) -> Decision:
+    """Kept if more than a little of some strength of a term is left in another fit; always for nuisances."""
     now = next((t for t in extended.model if t.candidate.key == term.candidate.key), None)
     if now is None or term.candidate.nuisance:
-        return False
+        return Decision(True, Reason.PASSED)
     null = term.candidate.null
-    return all(
-        abs(now.values[n] - null[n]) < _REPLACED * abs(term.values[n] - null[n]) for n in term.candidate.strengths
-    )
+    left = [
+        criterion(
+            f"distance of {n} of {place_name(term.candidate)} from no effect",
+            abs(now.values[n] - null[n]),
+            ">=",
+            _REPLACED * abs(term.values[n] - null[n]),
+        )
+        for n in term.candidate.strengths
+    ]
+    return decide([(Reason.MAKES_VANISH, either(*left))], beside=place_name(term.candidate))
 
 
 def possible_replacements(
     screening: Screening, base: Fit, accepted: CandidateFit, known: Sequence[CandidateFit]
-) -> list[CandidateFit]:
+) -> list[tuple[CandidateFit, Decision]]:
     """Significant candidates beside which an accepted effect vanishes: each may be the true cause instead."""
     term = next(t for t in base.model if t.candidate.key == accepted.candidate.key)
     taken = {t.candidate.key for t in known}
-    return [
-        trial
-        for trial, p in zip(screening.fits, screening.p_adjusted, strict=True)
-        if p < ALPHA and trial.candidate.key not in taken and vanishes(term, trial.fit)
-    ]
+    out: list[tuple[CandidateFit, Decision]] = []
+    for candidate_fit, p in zip(screening.fits, screening.p_adjusted, strict=True):
+        significant = criterion("adjusted p-value", p, "<", ALPHA)
+        if not significant.holds or candidate_fit.candidate.key in taken:
+            continue
+        persistence = persists(term, candidate_fit.fit)
+        if not persistence.kept:
+            criteria = significant, negation(persistence.criteria[-1])
+            beside = place_name(accepted.candidate)
+            out.append((candidate_fit, Decision(True, Reason.INSEPARABLE_FROM, criteria, beside)))
+    return out
 
 
 def as_good_with_confusable(
@@ -141,78 +180,115 @@ def as_good_with_confusable(
     confusables: Sequence[CandidateFit],
     best: CandidateFit,
     others: Sequence[CandidateFit],
-) -> list[CandidateFit]:
-    """Which of `others` do as well in the place of `best` once a confusable effect replaces `accepted`.
+) -> list[tuple[CandidateFit, Decision]]:
+    """Those of `others` that do as well in the place of `best` once a confusable effect replaces `accepted`.
 
     Two causes may mimic two others where neither does alone: friction by load and a weight mimic dry friction and a
     spring. Without the confusable effect the spring would be refuted.
     """
     remaining = warm_start_without(base, [accepted.candidate, best.candidate], nuisances)
-    out: list[CandidateFit] = []
+    out: list[tuple[CandidateFit, Decision]] = []
     for confusable in confusables:
         others_remaining = [c for c in remaining if not is_twin(c, confusable.candidate)]
         near = fit(errors, [*others_remaining, replace(confusable.candidate, start=confusable.fit.model[-1].values)])
         for other in others:
             richer = len(other.candidate.null) > len(best.candidate.null) + _RICHER
-            if richer or other.candidate.key in {confusable.candidate.key, *(t.candidate.key for t in out)}:
+            if richer or other.candidate.key in {confusable.candidate.key, *(t.candidate.key for t, _ in out)}:
                 continue
             both = extend(errors, near, other.candidate, [other.fit.model[-1].values, other.candidate.start])
-            more = len(other.candidate.null) > len(best.candidate.null)
-            if more and _TOGETHER * both.held_out.sum() > base.held_out.sum():
-                continue  # Fewer parameters are preferred where they leave less besides.
-            ahead = compare(both.held_out, base.held_out)
-            if not (ahead.p_value < _BEATEN_TOGETHER and clearly_less(both, base, best)):
-                out.append(candidate_fit_on(near, both, other.direct))
+            decision = is_pair_as_good(both, base, other, best)
+            if decision.kept:
+                out.append((candidate_fit_on(near, both, other.direct), decision))
     return out
 
 
-def simpler_and_as_good(simpler: CandidateFit, best: CandidateFit) -> bool:
-    """Whether a candidate has fewer parameters, gains nearly what the best does, and is not beaten by it."""
-    fewer = len(simpler.candidate.null) < len(best.candidate.null)
-    near = simpler.comparison.gain > _NEARLY * best.comparison.gain
-    significant = simpler.comparison.p_value < ALPHA
-    return fewer and near and significant and paired_p(simpler.fit.held_out, best.fit.held_out) > RIVAL_ALPHA
+def is_pair_as_good(pair: Fit, base: Fit, other: CandidateFit, best: CandidateFit) -> Decision:
+    """Kept unless the base leaves less than a pair with `other` in the place of `best`.
+
+    Fewer parameters are preferred where they leave less besides.
+    """
+
+    def tests() -> Iterator[Test]:
+        if len(other.candidate.null) > len(best.candidate.null):
+            share = criterion("share of the pair's loss", _TOGETHER * pair.held_out.sum(), "<=", base.held_out.sum())
+            yield Reason.MORE_PARAMETERS_THAN, share
+        ahead = compare(pair.held_out, base.held_out)
+        chance = criterion("p of being no worse", ahead.p_value, ">=", _BEATEN_TOGETHER)
+        yield Reason.FITS_WORSE_THAN, either(chance, excess_loss(pair, base, best))
+
+    return decide(tests(), Reason.INSEPARABLE_FROM, place_name(best.candidate))
 
 
-def is_beaten(rival: CandidateFit, best: CandidateFit) -> bool:
-    """Whether the best leaves less than the rival, beyond chance and by more than smoothing may do."""
+def is_simpler_and_as_good(simpler: CandidateFit, best: CandidateFit) -> Decision:
+    """Kept if a candidate has fewer parameters, gains nearly what the best does, and is not beaten by it."""
+
+    def tests() -> Iterator[Test]:
+        fewer = criterion("parameters", len(simpler.candidate.null), "<", len(best.candidate.null))
+        yield Reason.MORE_PARAMETERS_THAN, fewer
+        least = _NEARLY * best.comparison.gain
+        yield Reason.EXPLAINS_LESS_THAN, criterion("held-out gain", simpler.comparison.gain, ">", least)
+        yield Reason.NOT_SIGNIFICANT, criterion("p-value", simpler.comparison.p_value, "<", ALPHA)
+        worse = paired_p(simpler.fit.held_out, best.fit.held_out)
+        yield Reason.FITS_WORSE_THAN, criterion("p of being no worse", worse, ">", RIVAL_ALPHA)
+
+    return decide(tests(), beside=place_name(best.candidate))
+
+
+def is_as_good(rival: CandidateFit, best: CandidateFit) -> Decision:
+    """Kept unless the best leaves less than the rival, beyond chance and by more than smoothing may do."""
     ahead = compare(rival.fit.held_out, best.fit.held_out)
-    if are_confusable(rival.candidate, best.candidate) and ahead.gain < _CONFUSABLE_AHEAD:
-        return False
-    return ahead.p_value < RIVAL_ALPHA and clearly_less(rival.fit, best.fit, best)
+    alternatives = [
+        criterion("p of being no worse", ahead.p_value, ">=", RIVAL_ALPHA),
+        excess_loss(rival.fit, best.fit, best),
+    ]
+    if are_confusable(rival.candidate, best.candidate):
+        alternatives.append(criterion("gain of the other over it", ahead.gain, "<", _CONFUSABLE_AHEAD))
+    return decide(
+        [(Reason.FITS_WORSE_THAN, either(*alternatives))], Reason.INSEPARABLE_FROM, place_name(best.candidate)
+    )
 
 
-def clearly_less(rival: Fit, better: Fit, best: CandidateFit) -> bool:
-    """Whether `better` leaves less than `rival` by more than smoothing may do, of what is left and what `best` takes.
+def excess_loss(rival: Fit, better: Fit, best: CandidateFit) -> Criterion:
+    """What `rival` leaves beyond `better`, at most what smoothing may do of what is left and of what `best` takes.
 
     Readings and inputs are shifted and smoothed on the way to either: that errs with the size of what is hidden.
     """
     left, least = float(rival.held_out.mean()), float(better.held_out.mean())
     gain = min(best.comparison.gain, 0.999)
     taken = float(best.fit.held_out.mean()) * gain / (1.0 - gain)
-    return left - least > max(AHEAD_GAIN * left, _SMOOTHED * taken)
+    return criterion("loss beyond the other's", left - least, "<=", max(AHEAD_GAIN * left, _SMOOTHED * taken))
 
 
-def inseparable(errors: Errors, best: CandidateFit, tried: Sequence[CandidateFit]) -> tuple[CandidateFit, ...]:
-    """Rivals that do as well as the best, and on top of which the best adds nothing."""
-    inseparable_rivals = []
-    for rival in tried:
-        if rival is best or rival.comparison.gain < RIVAL_SHARE * best.comparison.gain:
-            continue
-        if is_beaten(rival, best):
-            continue
-        # A richer law that does no better has had its chance, as has a much richer one of another kind; known doubles
-        # stay in doubt.
-        confusable_names = {c.effect for c in best.candidate.effect.confusables}
+def inseparable(
+    errors: Errors, best: CandidateFit, tried: Sequence[CandidateFit]
+) -> list[tuple[CandidateFit, Decision]]:
+    """Each rival of the best with the decision whether it does as well and the best adds nothing on top of it."""
+    return [(rival, is_inseparable(errors, best, rival)) for rival in tried if rival is not best]
+
+
+def is_inseparable(errors: Errors, best: CandidateFit, rival: CandidateFit) -> Decision:
+    """Kept if a rival does as well as the best, and the best adds nothing on top of it.
+
+    A richer law that does no better has had its chance, as has a much richer one of another kind; known doubles stay in
+    doubt.
+    """
+    confusable = are_confusable(rival.candidate, best.candidate)
+
+    def tests() -> Iterator[Test]:
+        gain, least = rival.comparison.gain, RIVAL_SHARE * best.comparison.gain
+        yield Reason.EXPLAINS_LESS_THAN, criterion("held-out gain", gain, ">=", least)
+        yield from ((Reason.FITS_WORSE_THAN, c) for c in is_as_good(rival, best).criteria)
         kin = rival.candidate.effect.family == best.candidate.effect.family
         richer = len(rival.candidate.null) > len(best.candidate.null) + (0 if kin else _RICHER)
-        does_better = _NEARLY * rival.comparison.gain > best.comparison.gain
-        if richer and not does_better and rival.candidate.effect.name not in confusable_names:
-            continue
+        if richer and rival.candidate.effect.name not in {c.effect for c in best.candidate.effect.confusables}:
+            more = criterion("share of its held-out gain", _NEARLY * gain, ">", best.comparison.gain)
+            yield Reason.MORE_PARAMETERS_THAN, more
         both = extend(errors, rival.fit, best.candidate, [best.fit.model[-1].values, best.candidate.start])
         over_rival = compare(rival.fit.held_out, both.held_out)
-        little = are_confusable(rival.candidate, best.candidate) and over_rival.gain < _CONFUSABLE_AHEAD
-        if not little and combined_p_value(over_rival, both) < ALPHA and clearly_less(rival.fit, both, best):
-            continue
-        inseparable_rivals.append(rival)
-    return tuple(inseparable_rivals)
+        p_value = criterion("p of the other on top of it", combined_p_value(over_rival, both), ">=", ALPHA)
+        alternatives = [p_value, excess_loss(rival.fit, both, best)]
+        if confusable:
+            alternatives.append(criterion("gain of the other on top of it", over_rival.gain, "<", _CONFUSABLE_AHEAD))
+        yield Reason.INCOMPLETE_WITHOUT, either(*alternatives)
+
+    return decide(tests(), Reason.INSEPARABLE_FROM, place_name(best.candidate))

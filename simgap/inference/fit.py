@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import accumulate, pairwise, product
@@ -11,6 +11,8 @@ import numpy as np
 from scipy import stats
 
 from schemas.arrays import FloatArray
+from schemas.gap import Reason
+from simgap.inference.decision import Decision, Test, criterion, decide
 from simgap.inference.robust_least_squares import (
     CAUCHY_SCALE,
     Prior,
@@ -30,6 +32,7 @@ _PHASE = "phase_rad"
 _WAVES = 120  # waves over a position: neighbours differ by about a radian at its ends
 _PROBE = 0.05  # share of a strength's range at which its signature is read off
 _CLIP = 1e4
+_AT_BOUND_SHARE = 1e-6  # share of a range; a value this near an end counts as at it
 _FEWEST_UNITS = 12
 
 
@@ -72,14 +75,11 @@ class Fit:
             out[c.key][name] = float(width * (c.bounds[name][1] - c.bounds[name][0]))
         return out
 
-    def strength_exceeds(self, least: Mapping[str, float]) -> bool:
-        """Whether some strength of the last term differs from none by more than its interval and than `least`."""
+    def strength_exceeds(self, least: Mapping[str, float]) -> Decision:
+        """Kept if some strength of the last term differs from none by more than its interval and than `least`."""
         term, widths = self.model[-1], self.half_widths[self.free[-1].key]
-        return any(
-            abs(term.values[n] - term.candidate.null[n]) > ROUNDING_MARGIN * max(widths[n], least.get(n, 0.0))
-            and widths[n] > 0.0
-            for n in term.candidate.strengths
-        )
+        by_strength = [decide(_strength_tests(term, n, widths[n], least.get(n, 0.0))) for n in term.candidate.strengths]
+        return next((d for d in by_strength if d.kept), max(by_strength, key=_progress))
 
     @property
     def p_value(self) -> float:
@@ -104,6 +104,23 @@ class Fit:
     def evaluations(self) -> int:
         """Calls of the residual function."""
         return self.solution.evaluations
+
+
+def _strength_tests(term: Term, name: str, width: float, least: float) -> Iterator[Test]:
+    """The criteria of one strength: beyond interval and `least`, with an interval that the trials or a bound gave."""
+    value, (low, high) = term.values[name], term.candidate.bounds[name]
+    reason = Reason.METHOD_BIAS if least > width else Reason.INTERVAL_INCLUDES_NONE
+    distance = abs(value - term.candidate.null[name])
+    yield reason, criterion(f"distance of {name} from no effect", distance, ">", ROUNDING_MARGIN * max(width, least))
+    at_bound = min(value - low, high - value) <= _AT_BOUND_SHARE * (high - low)
+    reason = Reason.BOUND_REACHED if at_bound else Reason.NOT_DETERMINED
+    yield reason, criterion(f"half width of {name}", width, ">", 0.0)
+
+
+def _progress(decision: Decision) -> tuple[int, float]:
+    """How far a strength came: criteria met, then its distance from no effect over what it had to exceed."""
+    first = decision.criteria[0]
+    return len(decision.criteria), first.value / first.bound if first.bound > 0.0 else 0.0
 
 
 def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: FloatArray) -> Errors:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from schemas.gap import Estimate
+from schemas.gap import Estimate, Reason
 from simgap.inference.candidate_fit import CandidateFit
+from simgap.inference.decision import Decision, criterion, decide, either
 from simgap.inference.fit import ROUNDING_MARGIN
 from simgap.problem import DirectEstimate, Term
 
@@ -54,14 +55,14 @@ def threshold_excess(term: Term) -> dict[str, float]:
     return {n: 0.5 * abs(d) for n, d in beyond.items() if d * (term.candidate.null[n] - term.values[n]) > 0.0}
 
 
-def differs_from_none(term: Term, sides: Sides) -> bool:
-    """Whether some strength still differs from none in the final model: whether none lies outside its interval."""
+def differs_from_none(term: Term, sides: Sides) -> Decision:
+    """Kept if some strength still differs from none in the final model: if none lies outside its interval."""
+    distances = []
     for n in term.candidate.strengths:
         value, none, (below, above) = term.values[n], term.candidate.null[n], sides.get(n, (0.0, 0.0))
         least = max(below if value > none else above, 1e-9 * abs(none), 1e-12)
-        if abs(value - none) > ROUNDING_MARGIN * least:
-            return True
-    return False
+        distances.append(criterion(f"distance of {n} from no effect", abs(value - none), ">", ROUNDING_MARGIN * least))
+    return decide([(Reason.INTERVAL_INCLUDES_NONE, either(*distances))])
 
 
 def parameters(term: Term, sides: Sides) -> dict[str, Estimate]:

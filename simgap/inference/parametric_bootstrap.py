@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from scipy import stats
@@ -20,15 +19,6 @@ from simgap.problem import Model, Problem, View
 
 _REPEATS = 3
 _DESCENT_STEPS = 4  # of a descent that begins where the truth is
-
-
-@runtime_checkable
-class Bootstrappable(Protocol):
-    """A problem that can be recorded again in simulation."""
-
-    def bootstrap_sample(self, model: Model, seed: int) -> Problem:
-        """The same measurement with the readings that `model` would have given; trial ids stay."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -45,8 +35,6 @@ class MethodBias:
 
 def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, base: Model, model: Model) -> MethodBias:
     """Bias on the last term of `model`, from samples simulated by `base`; empty for a problem without bootstrap."""
-    if not isinstance(problem, Bootstrappable):
-        return MethodBias()
     term = model[-1]
     # There the numbers of `base` are the declared ones.
     known = [
@@ -60,6 +48,8 @@ def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, ba
     gains: list[dict[str, float]] = []
     for seed in range(_REPEATS):
         again = problem.bootstrap_sample(base, seed)
+        if again is None:
+            return MethodBias()
         errors = rollout_errors(again, trials, view, robust_scale(again, given, trials, view))
         null = fit(errors, known, _DESCENT_STEPS)
         direct_estimate = again.direct(term.candidate, null.model, trials)

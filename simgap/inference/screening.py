@@ -1,10 +1,15 @@
-"""Screening: every candidate fitted alone on top of a base in a few steps, the promising ones until convergence."""
+"""Step 1, screen: every candidate fitted alone on top of a base in a few steps, the promising ones until convergence.
+
+Into a `Screening`: the fits, ranked, with adjusted p-values, and the reason why each candidate was fitted to the end
+or not.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
+from schemas.gap import Reason
 from simgap.inference.candidate_fit import (
     CandidateFit,
     Map,
@@ -15,10 +20,11 @@ from simgap.inference.candidate_fit import (
     warm_start,
 )
 from simgap.inference.competing_hypotheses import RIVAL_SHARE
+from simgap.inference.decision import Decision, criterion, decide, either
 from simgap.inference.fit import Errors, Fit, extend, fit, promising_starts, robust_scale, rollout_errors
 from simgap.inference.losses import Comparison
 from simgap.inference.search_state import SearchState
-from simgap.problem import Candidate, LongHorizonProblem
+from simgap.problem import Candidate
 
 _FINALISTS = 6
 _DIRECT_FINALISTS = 3  # finalists by direct estimates
@@ -51,7 +57,7 @@ def _quick_fit(state: SearchState, errors: Errors, base: Fit) -> Callable[[Candi
 
     def tried(candidate: Candidate) -> CandidateFit:
         direct = state.problem.direct(candidate, base.model, state.trials.train)
-        if direct is None and isinstance(state.problem, LongHorizonProblem):
+        if direct is None and state.problem.search_view == "long_horizon":
             starts = [dict(candidate.start)]  # Its direct route scans the whole range and found no trace.
         elif direct is None:
             starts = promising_starts(errors, base, candidate)
@@ -71,9 +77,12 @@ def _fit_finalists(state: SearchState, screened: list[CandidateFit], on_long_hor
     """
     order = sorted(screened, key=lambda t: (-t.comparison.gain, t.candidate.key))
     by_direct_loss = sorted(order, key=direct_held_out_loss)
-    finalists = {
-        t.candidate.key: t for t in (*order[:_FINALISTS], *by_direct_loss[:_DIRECT_FINALISTS]) if _is_promising(t)
+    direct_ranks = {t.candidate.key: rank for rank, t in enumerate(by_direct_loss, 1)}
+    decisions = {
+        t.candidate.key: is_finalist(t, rank, direct_ranks[t.candidate.key]) for rank, t in enumerate(order, 1)
     }
+    ranked = (*order[:_FINALISTS], *by_direct_loss[:_DIRECT_FINALISTS])
+    finalists = {t.candidate.key: t for t in ranked if decisions[t.candidate.key].kept}
 
     def tried(candidate: Candidate) -> CandidateFit:
         quick = finalists[candidate.key]
@@ -84,12 +93,19 @@ def _fit_finalists(state: SearchState, screened: list[CandidateFit], on_long_hor
     fits = list(each(tried, [t.candidate for t in order if t.candidate.key in finalists]))
     others = [t for t in order if t.candidate.key not in finalists]
     unjudged = [replace(t, comparison=_NOT_JUDGED, delta_bic=0.0) if on_long_horizon else t for t in others]
-    return ranked_screening([*(_finalists_refitted(state, fits) if on_long_horizon else fits), *unjudged])
+    screening = ranked_screening([*(_finalists_refitted(state, fits) if on_long_horizon else fits), *unjudged])
+    return replace(screening, decisions=tuple((t.candidate, decisions[t.candidate.key]) for t in order))
 
 
-def _is_promising(candidate_fit: CandidateFit) -> bool:
+def is_finalist(candidate_fit: CandidateFit, rank_by_gain: int, rank_by_direct_loss: int) -> Decision:
+    """Kept if a candidate is among the first by gain or by direct loss, and either p-value is promising."""
     direct = 1.0 if candidate_fit.direct is None else candidate_fit.direct.p_value
-    return min(direct, candidate_fit.comparison.p_value) < _PROMISING_P
+    ranks = (
+        criterion("rank by held-out gain", rank_by_gain, "<=", _FINALISTS),
+        criterion("rank by direct loss", rank_by_direct_loss, "<=", _DIRECT_FINALISTS),
+    )
+    p_value = criterion("smaller p-value", min(direct, candidate_fit.comparison.p_value), "<", _PROMISING_P)
+    return decide([(Reason.NOT_PROMISING, p_value), (Reason.OUTRANKED, either(*ranks))])
 
 
 def _final_starts(candidate_fit: CandidateFit) -> list[dict[str, float]]:

@@ -8,7 +8,7 @@ from schemas.arrays import FloatArray
 from simgap.inference.candidate_fit import warm_start
 from simgap.inference.fit import Errors, Fit, fit, robust_scale, rollout_errors
 from simgap.inference.losses import trial_losses
-from simgap.problem import Model, Problem, View, with_initial_states_at
+from simgap.problem import Model, Problem, View
 from simgap.recording.train_test_split import Trials
 
 
@@ -31,7 +31,7 @@ class SearchState:
 
     def errors_at(self, model: Model) -> Errors:
         """Training errors with initial states taken at another model."""
-        return rollout_errors(with_initial_states_at(self.problem, model), self.trials.train, self.view, self.scale)
+        return rollout_errors(self.problem.with_initial_states_at(model), self.trials.train, self.view, self.scale)
 
     def test_losses(self, fitted: Fit) -> FloatArray:
         """(n,) losses of the test trials."""
@@ -39,7 +39,7 @@ class SearchState:
 
     def test_losses_at_own_fit(self, fitted: Fit) -> FloatArray:
         """(n,) losses of the test trials, with initial states taken at the fit's own model."""
-        problem_at_fit = with_initial_states_at(self.problem, fitted.model)
+        problem_at_fit = self.problem.with_initial_states_at(fitted.model)
         return trial_losses(problem_at_fit.residuals(fitted.model, self.trials.test, self.view), self.scale)
 
 
@@ -48,7 +48,7 @@ def refit_at(problem: Problem, trials: Trials, view: View, base: Fit) -> SearchS
 
     What was an outlier to a poor model is evidence to a better one: the scale follows the base.
     """
-    problem_at_base = with_initial_states_at(problem, base.model)
+    problem_at_base = problem.with_initial_states_at(base.model)
     scale = robust_scale(problem_at_base, base.model, trials.train, view)
     errors = rollout_errors(problem_at_base, trials.train, view, scale)
     return SearchState(problem_at_base, trials, view, scale, errors, fit(errors, warm_start(base)))

@@ -9,6 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from schemas.gap import GapReport
 from simgap.inference.verdict_text import share
+from simgap.report.decision_table import decision_rows, outcome_counts
 from simgap.report.pictures.ablation import ablation
 
 REPORT, PAGE, PICTURES = "report.json", "report.html", "pictures"
@@ -35,6 +36,11 @@ def render_page(report: GapReport, folder: Path) -> str:
     loader = PackageLoader("simgap.report", "templates")
     pages = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     pages.globals["share"] = share
+    rows = decision_rows(report.decisions)
     return pages.get_template("gap.html").render(
-        report=report, pictures=pictures, name=f"measurement {report.measurement[:12]}"
+        report=report,
+        pictures=pictures,
+        name=f"measurement {report.measurement[:12]}",
+        decisions=rows,
+        counts=outcome_counts(rows),
     )

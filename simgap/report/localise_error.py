@@ -10,8 +10,7 @@ from schemas.arrays import FloatArray
 from schemas.gap import Localisation
 from schemas.physical_constants import GRAVITY_MPS2
 from simgap.inference.robust_least_squares import CAUCHY_SCALE
-from simgap.kinds.event_problem import EventProblem
-from simgap.problem import Model, Problem
+from simgap.problem import EventProblem, Model, Problem
 
 _DIVERGED = 5.0  # noise levels
 _MOST_ROWS = 8
@@ -35,8 +34,9 @@ def localise_error(
     seen = np.isfinite(error)
     loss = np.where(seen, CAUCHY_SCALE**2 * np.log1p((np.nan_to_num(error) / CAUCHY_SCALE) ** 2), 0.0)
     total = max(float(loss.sum()), 1e-300)
-    if isinstance(problem, EventProblem):
-        slices, starts = _event_slices(problem, features), [None] * len(floor)
+    events = problem.as_events()
+    if events is not None:
+        slices, starts = _event_slices(events, features), [None] * len(floor)
     else:
         slices = _joint_slices(features, joints) if joints else _body_slices(features, problem.channels())
         starts = _first_divergence(problem, model, trials)

@@ -11,7 +11,6 @@ from schemas.arrays import FloatArray
 from sim.dynamics.mechanism import Windows
 from simgap.kinds.mechanism.apply_model import Applied
 from simgap.kinds.mechanism.logs import log_of
-from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.kinds.mechanism.windows import cut, windows_of
 from simgap.problem import Model, Problem
 from simgap.recording.recording import Trial
@@ -38,9 +37,9 @@ class SideBySide:
 def side_by_side(problem: Problem, trial: Trial, model: Model) -> SideBySide:
     """The full roll-out of `model` from the first row of `trial`."""
     errors = problem.residuals(model, [trial.id], "full_rollout")[0]
-    if isinstance(problem, MechanismProblem):
-        t_s, measured = _joint_rows(trial)
-        return SideBySide(trial.id, t_s, problem.channels(), measured, measured + errors, errors)
+    motion = problem.joint_motion(trial.id)
+    if motion is not None:
+        return SideBySide(trial.id, motion.t_s, problem.channels(), motion.q, motion.q + errors, errors)
     since = problem.features([trial.id], "full_rollout")[0][:, -1]
     rows = np.clip(np.searchsorted(trial.t_s, trial.t_s[0] + since - 1e-9), 0, len(trial) - 1)
     joints = problem.channels()[_TWIST:]
@@ -55,14 +54,6 @@ def joint_windows(trial: Trial, applied: Applied) -> Windows:
     """The whole trial of a mechanism as one window, as the roll-outs see it."""
     log = log_of(trial)
     return windows_of([(applied.recovered(log.series), cut(len(log.series.t_s), None, log.margin))], applied)
-
-
-def _joint_rows(trial: Trial) -> tuple[FloatArray, FloatArray]:
-    """Stamps (k,) and smoothed readings (k, j) of the rows that full roll-outs are compared at."""
-    log = log_of(trial)
-    piece = cut(len(log.series.t_s), None, log.margin)
-    rows = piece.rows[0, piece.compared]
-    return log.series.t_s[rows], log.series.columns["q"][rows]
 
 
 def largest_improvement(declared: list[SideBySide], extended: list[SideBySide], floor: FloatArray) -> tuple[int, int]:

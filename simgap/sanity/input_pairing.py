@@ -8,7 +8,6 @@ the search found is no name.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -23,15 +22,6 @@ FIRST_ALPHA = 1e-3
 OFFSETS = (1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6)  # files are shifted by few places, if by a rule
 
 
-@runtime_checkable
-class PermutableInputs(Protocol):
-    """A problem whose motions answer to recorded inputs."""
-
-    def with_permuted_inputs(self, by: int = 1) -> Problem | None:
-        """The same motions with inputs of the trial `by` places on; None where nothing drives, or all alike."""
-        ...
-
-
 def other_inputs_check(problem: Problem, view: View) -> ConventionCheck | None:
     """Whether inputs of other trials fit the motions better than their own; None where that cannot be tested.
 
@@ -40,7 +30,7 @@ def other_inputs_check(problem: Problem, view: View) -> ConventionCheck | None:
     """
     trials = problem.trial_ids
     places = [by for by in OFFSETS if 2 * abs(by) < len(trials) or 2 * by == len(trials)]
-    others = [problem.with_permuted_inputs(by) for by in places] if isinstance(problem, PermutableInputs) else []
+    others = [problem.with_permuted_inputs(by) for by in places]
     if len(trials) < 3 or not any(others):
         return None
     scale = np.maximum(problem.noise_floor(trials, view), 1e-12)
@@ -67,7 +57,7 @@ def _halves(problem: Problem, trials: Sequence[str], view: View, scale: FloatArr
 
 def pairing_check(problem: Problem, model: Model, trials: Sequence[str], view: View) -> ConventionCheck | None:
     """Whether `model` does better with each trial's own inputs; None where that cannot be tested."""
-    other = problem.with_permuted_inputs() if isinstance(problem, PermutableInputs) else None
+    other = problem.with_permuted_inputs()
     if other is None or len(trials) < 3:
         return None
     scale = np.maximum(problem.noise_floor(trials, view), 1e-12)

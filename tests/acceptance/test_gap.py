@@ -20,9 +20,11 @@ from cli.main import app
 from schemas.diagnostics import InvalidInput
 from schemas.gap import GapReport
 from simgap.recording.read import read
+from simgap.report.decision_table import decision_rows
 from simgap.result_store import ResultStore
 from simgap.run import answer_key, search
 from tests.support.bad_inputs.gap import SAMPLES
+from tests.support.gap_decisions import contradictions
 
 RUN = CliRunner()
 DAMPING = 0.004
@@ -96,6 +98,19 @@ def test_the_page_needs_no_other_file(answered: tuple[Path, Path]):
     assert page.count("data:image/png;base64,") == 3
     assert "http" not in page.replace("data:image", "")
     assert "joint.viscous_friction" in page
+
+
+def test_each_candidate_has_a_reason_on_file_and_page(answered: tuple[Path, Path]):
+    """Reasons of a real run agree with the values beside them; a swapped one does not."""
+    result, page = report(answered[1]), (answered[1] / "report.html").read_text()
+    assert contradictions(result) == []
+    names = {(h.name, str(h.where)) for h in result.hypotheses}
+    assert names <= {(d.name, str(d.where)) for d in result.decisions}
+    assert all(row.reason in page and row.value.split(",")[0] in page for row in decision_rows(result.decisions))
+    first, *others = result.decisions
+    reason = next(d.reason for d in others if d.reason is not first.reason)
+    swapped = (first.model_copy(update={"reason": reason}), *others)
+    assert contradictions(result.model_copy(update={"decisions": swapped}))
 
 
 def test_the_page_is_rendered_again_from_the_report(answered: tuple[Path, Path]):
@@ -174,8 +189,12 @@ def test_effects_are_listed_and_explained():
     assert refused.diagnostic.code == "gap/unknown-effect"
 
 
+def _silent(words: str, done: int = 0, total: int | None = None) -> None:
+    """A Tick that prints nothing."""
+
+
 def test_the_demo_finds_what_it_hides_and_shows_it(tmp_path: Path):
-    gap = gap_demo(tmp_path, jobs=1, tick=lambda *_: None)
+    gap = gap_demo(tmp_path, jobs=1, tick=_silent)
     (named,) = gap.report.verdict.effects
     assert named.name == "joint.coulomb_friction"
     low, high = named.parameters["torque_Nm"].ci95
@@ -220,9 +239,7 @@ def test_an_interrupted_run_continues_with_what_was_finished(answered: tuple[Pat
     store = ResultStore(tmp_path, answer_key(measurement, quick=True))
     assert isinstance(store.part("traps", lambda: pytest.fail("worked out again")), tuple)
     parts[0].write_bytes(b"damaged")
-    resumed = search(
-        measurement, (), tmp_path, engine=REPLAY_ENGINE, jobs=1, tick=lambda *_: None, since=0.0, quick=True
-    )
+    resumed = search(measurement, (), tmp_path, engine=REPLAY_ENGINE, jobs=1, tick=_silent, since=0.0, quick=True)
     assert resumed.hypotheses == report(answered[1]).hypotheses
     assert resumed.verdict == report(answered[1]).verdict
     assert not list(tmp_path.rglob("*.bin"))

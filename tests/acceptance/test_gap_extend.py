@@ -185,7 +185,7 @@ def test_every_effect_with_a_place_in_urdf_is_written_and_no_other(package: Path
     given = read_extension(extension(tmp_path / "all.json", nulls, joint="door"))
     body = MeasuredBody(np.zeros(3), np.eye(3))
     rows = (*package_physics(given, b"", record(package).physics, body, "")[1], *joint_physics(given)[1])
-    assert {r.effect for r in rows if r.written} == {e.name for e in EFFECTS if e.urdf}
+    assert {r.effect for r in rows if r.written} == {e.name for e in EFFECTS if e.export.urdf}
     assert all(r.why for r in rows if not r.written)
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from trimesh.exchange.stl import export_stl_ascii
 
 from schemas.asset import AssetRecord
 from tests.support.bad_inputs.assets import SAMPLES, gltf, obj_text
@@ -49,9 +50,7 @@ def library(tmp_path_factory: pytest.TempPathFactory, bullet_data: Path) -> tupl
     (sources / "cup.obj").write_text(obj_text(cup))
     gltf()(sources)
     ring = trimesh.creation.annulus(r_min=12, r_max=20, height=10)
-    (sources / "ring.stl").write_bytes(
-        trimesh.exchange.stl.export_stl_ascii(ring).replace("solid", "solid units: mm", 1).encode()
-    )
+    (sources / "ring.stl").write_bytes(export_stl_ascii(ring).replace("solid", "solid units: mm", 1).encode())
     SAMPLES["asset/truncated"](sources)
     SAMPLES["asset/path-escape"](sources)
     duck = base / "duck"

@@ -17,6 +17,7 @@ from examples.measured.folder import Part, in_blocks, packed, write
 from schemas.diagnostics import Diagnostic, Severity
 from schemas.measurement import MeasurementSpec
 from simgap.recording.read import Measurement, read
+from tests.support.present import present
 
 NAMES = (
     "cube_toss",
@@ -93,7 +94,7 @@ def test_noise_of_tosses_is_what_others_measured(shared_measured: Path, tmp_path
 def test_turned_copies_of_real_tosses_are_found_and_no_others(shared_measured: Path, tmp_path: Path):
     part = at_most(parts_of(shared_measured, "cube_toss")[0], 80)
     ids = list(part.tables)
-    copies = {f"{i}_again": turned(part.tables[i], 0.3 * (k + 1)) for k, i in enumerate(ids[::10])}
+    copies = {f"{i}_again": turned(dict(part.tables[i]), 0.3 * (k + 1)) for k, i in enumerate(ids[::10])}
     both = converted(tmp_path, part._replace(tables={**part.tables, **copies}))
     assert set(both.trial_ids) == set(ids)
 
@@ -175,10 +176,10 @@ def test_arm_model_has_seven_joints_and_the_published_reach():
     robot = etree.fromstring(panda_exciting.urdf().encode())
     X = np.eye(4)
     for joint in robot.findall("joint"):
-        origin = joint.find("origin")
+        origin = present(joint.find("origin"))
         step = np.eye(4)
-        step[:3, :3] = Rotation.from_euler("x", float(origin.get("rpy").split()[0])).as_matrix()
-        step[:3, 3] = [float(v) for v in origin.get("xyz").split()]
+        step[:3, :3] = Rotation.from_euler("x", float(origin.get("rpy", "").split()[0])).as_matrix()
+        step[:3, 3] = [float(v) for v in origin.get("xyz", "").split()]
         X = X @ step
     assert len(robot.findall("joint")) == 7
     np.testing.assert_allclose(X[:3, 3], [0.088, 0.0, 1.033], atol=1e-9)

@@ -1,8 +1,5 @@
 """The static gate on clean packages, on files Mana did not make, and on broken ones."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import random
@@ -25,6 +22,7 @@ from schemas.diagnostics import Diagnostic
 from schemas.package import PackageContent
 from schemas.physics import Solid
 from tests.support import package_samples as samples
+from tests.support.bad_inputs.assets import joined
 from tests.support.gate_packages import cabinet
 from usdio.write.package import write_package
 
@@ -86,7 +84,7 @@ def test_hollow_things_pass(tmp_path: Path) -> None:
     inner.invert()
     for part in (outer, inner):
         part.apply_translation((0.0, 0.0, 0.125))
-    wall = trimesh.util.concatenate([outer, inner])
+    wall = joined(outer, inner)
     mesh = samples.mesh_from(wall, "wall")
     mass = volume_properties(Solid(mesh.points, mesh.triangles, "closed"))[0].filled(150.0)
     content = samples.content(samples.model([mesh]), [samples.hull_shape(samples.mesh_from(outer))])

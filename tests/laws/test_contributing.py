@@ -1,13 +1,11 @@
 """The pages of docs/contributing are true: paths exist, worked examples run, lists of files are whole.
 
 A page with an example is applied to a copy of the repository, where its own tests and commands run. So a page that the
-code has left behind fails here, with the block that no longer fits. The list of a relation's files is compared with
-the code: every file that holds the word as a string, a field of a data class or a key of YAML.
+code has left behind fails here, with the block that no longer fits.
 """
 
 from __future__ import annotations
 
-import ast
 import re
 import sys
 from collections.abc import Iterator
@@ -32,15 +30,9 @@ from tests.support.worked_pages import (
 )
 
 FOLDER = ROOT / "docs" / "contributing"
-WORKED = ("file-format", "gate-rule", "effect", "episode-format")
-PAGES = (*WORKED, "relation")
+PAGES = ("file-format", "gate-rule", "effect", "episode-format", "relation")
 # What a newcomer opens or writes for one more of a kind: reader, row and test; and so on.
 MOST_FILES = {"file-format": 3, "gate-rule": 3, "relation": 4, "effect": 3}
-
-WORD = "near"  # the relation that relation.md walks through
-KINDS = frozenset({"before", "near", "far_from", "aligned", "facing", "between"})
-SCENE_CODE = ("schemas/scene", "scene_check", "scenec", "runtime_plan")
-SCENE_TESTS = ("tests/scenec", "tests/scene_check", "tests/support/scene", "tests/data/scenes")
 
 PATH = re.compile(r"`((?:[\w-]+/)+[\w.-]*)`")
 MODULE = re.compile(r"`([a-z]\w*(?:\.\w+)+)`")
@@ -79,31 +71,11 @@ def page(name: str) -> str:
 
 def style_and_laws(new: list[str]) -> list[list[str]]:
     """Commands that hold new files to the style and the laws of the package that they belong to."""
-    ruff = [[sys.executable, "-m", "ruff", *way, *new] for way in (["check"], ["format", "--check"])]
-    package = new[0].partition("/")[0]
+    python = [path for path in new if path.endswith(".py")]
+    ruff = [[sys.executable, "-m", "ruff", *way, *python] for way in (["check"], ["format", "--check"])]
+    package = python[0].partition("/")[0]
     laws = ["tests/laws/test_house.py", "tests/laws/test_constants.py"]
     return [*ruff, [sys.executable, "-m", "pytest", *laws, "-k", f"[{package}]"]]
-
-
-def holds_word(source: str, words: frozenset[str]) -> bool:
-    """Whether Python holds one of the words as a whole string or as a field of a class."""
-    tree = ast.parse(source)
-    strings = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
-    classes = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
-    fields = {
-        s.target.id for c in classes for s in c.body if isinstance(s, ast.AnnAssign) and isinstance(s.target, ast.Name)
-    }
-    return not words.isdisjoint(strings | fields)
-
-
-def files_with(words: frozenset[str], *folders: str) -> set[str]:
-    """Files below the folders whose code, or keys of YAML, hold one of the words."""
-    python = (path for folder in folders for path in (ROOT / folder).rglob("*.py"))
-    files = {path for path in python if holds_word(path.read_text(), words)}
-    key = re.compile(rf"^ *(?:- *)?\{{? *(?:{'|'.join(words)}):", re.MULTILINE)
-    yaml = (path for folder in folders for path in (ROOT / folder).rglob("*.yaml"))
-    files |= {path for path in yaml if key.search(path.read_text())}
-    return {path.relative_to(ROOT).as_posix() for path in files}
 
 
 def lost_names(text: str) -> list[str]:
@@ -143,7 +115,7 @@ def test_an_extension_touches_few_files_by_hand(name: str, most: int) -> None:
     assert 0 < len(touched) <= most, sorted(touched)
 
 
-@pytest.mark.parametrize("name", WORKED)
+@pytest.mark.parametrize("name", PAGES)
 def test_the_list_of_files_is_what_the_blocks_change(name: str) -> None:
     text = page(name)
     rows = listed(text)
@@ -168,7 +140,7 @@ def original(copy: Path) -> Iterator[dict[str, bytes]]:
     restore(copy, files)
 
 
-@pytest.mark.parametrize("name", WORKED)
+@pytest.mark.parametrize("name", PAGES)
 def test_the_worked_example_runs(name: str, copy: Path, original: dict[str, bytes]) -> None:
     text = page(name)
     apply(text, copy)
@@ -178,18 +150,6 @@ def test_the_worked_example_runs(name: str, copy: Path, original: dict[str, byte
     after = contents(copy)
     differing = {path for path in original.keys() | after.keys() if original.get(path) != after.get(path)}
     assert differing == {file.path for file in listed(text) if not file.by_hand}
-
-
-def test_the_list_of_a_relation_is_every_file_that_holds_its_word() -> None:
-    files = [file.path for file in listed(page("relation"))]
-    code = files_with(frozenset({WORD}), *SCENE_CODE, *SCENE_TESTS)
-    assert sorted(files) == sorted(code | {"docs/reference/scene-language.md"})
-
-
-def test_the_list_of_files_that_know_other_relations_is_whole() -> None:
-    section = page("relation").partition("## Files that know other words")[2].partition("\n## ")[0]
-    others = files_with(KINDS, *SCENE_CODE) - files_with(frozenset({WORD}), *SCENE_CODE)
-    assert sorted(re.findall(r"^- `([\w/.]+)`", section, re.MULTILINE)) == sorted(others)
 
 
 def test_blocks_of_a_page_are_read_and_applied(tmp_path: Path) -> None:
@@ -220,10 +180,3 @@ def test_names_that_do_not_exist_are_found() -> None:
     good = ["gate/rules/", "gate/static_gate.py", "gate.static_gate.RULES", "replay/unknown-format", "np.array"]
     assert lost_names("".join(f"`{name}` " for name in [*good, *lost])) == lost
     assert lost_names("```python\n# gate/no_such.py\nX = 1\n```\n`gate/no_such.py`") == []
-
-
-def test_words_are_found_as_code_only() -> None:
-    near = frozenset({"near"})
-    assert holds_word('kind == "near"', near)
-    assert holds_word("class R:\n    near: int = 0", near)
-    assert not holds_word('near = 1  # "near"\ntext = "near by"', near)

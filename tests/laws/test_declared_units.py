@@ -86,6 +86,7 @@ def write_obj(folder: Path, mesh: trimesh.Trimesh, unit: str) -> Path:
 
 def write_ply(folder: Path, mesh: trimesh.Trimesh, unit: str) -> Path:
     content = mesh.export(file_type="ply", encoding="ascii")
+    assert isinstance(content, bytes)
     return text(
         "part.ply", content.replace(b"format ascii 1.0\n", f"format ascii 1.0\ncomment unit {unit}\n".encode())
     )(folder)
@@ -93,12 +94,15 @@ def write_ply(folder: Path, mesh: trimesh.Trimesh, unit: str) -> Path:
 
 def write_stl(folder: Path, mesh: trimesh.Trimesh, unit: str) -> Path:
     content = mesh.export(file_type="stl")
+    assert isinstance(content, bytes)
     return text("part.stl", struct.pack("<80s", f"COLOR= UNITS={unit}".encode()) + content[80:])(folder)
 
 
 def write_named_stl(folder: Path, mesh: trimesh.Trimesh, unit: str) -> Path:
     path = folder / f"part_{LONG[unit]}.stl"
-    path.write_bytes(mesh.export(file_type="stl"))
+    content = mesh.export(file_type="stl")
+    assert isinstance(content, bytes)
+    path.write_bytes(content)
     return path
 
 

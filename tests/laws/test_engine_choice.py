@@ -24,11 +24,11 @@ CHOICE = re.compile(r"\bsim\.bullet\b|\bsim[./]bullet/|^cli(\.\w+)+(:\w+)?$")
 
 def choices(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Line and text of each string literal that names an engine or a module of `cli`; docstrings are none."""
-    bodies = [node.body for node in ast.walk(tree) if hasattr(node, "body") and isinstance(node.body, list)]
+    bodies = [body for node in ast.walk(tree) if isinstance(body := getattr(node, "body", None), list)]
     plain = {id(node.value) for body in bodies for node in body if isinstance(node, ast.Expr)}
     for node in ast.walk(tree):
         text = joined(node)
-        if text is not None and id(node) not in plain and CHOICE.search(text):
+        if isinstance(node, ast.expr) and text is not None and id(node) not in plain and CHOICE.search(text):
             yield node.lineno, text
 
 

@@ -31,7 +31,7 @@ def random_boxes(seed: int) -> list[Mesh]:
     rng = np.random.default_rng(seed)
     meshes = []
     for _ in range(3):
-        X = pose(Rotation.random(random_state=rng).as_matrix(), rng.uniform(-0.08, 0.08, 3))
+        X = pose(Rotation.random(rng=rng).as_matrix(), rng.uniform(-0.08, 0.08, 3))
         body = trimesh.creation.box(rng.uniform(0.05, 0.2, 3))
         body.apply_transform(X)
         meshes.append(mesh_from(body))
@@ -41,7 +41,9 @@ def random_boxes(seed: int) -> list[Mesh]:
 @settings(max_examples=8, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(0, 2**32 - 1))
 def test_law_turning_and_moving(seed, turn):
-    X = pose(Rotation.random(random_state=turn).as_matrix(), np.random.default_rng(turn).uniform(-3, 3, 3))
+    X = pose(
+        Rotation.random(rng=np.random.default_rng(turn)).as_matrix(), np.random.default_rng(turn).uniform(-3, 3, 3)
+    )
     meshes = random_boxes(seed)
     here = solid_mass(meshes)
     there = solid_mass([replace(m, points=m.points @ X[:3, :3].T + X[:3, 3]) for m in meshes])
@@ -97,8 +99,11 @@ def test_the_union_agrees_with_another_library(seed):
     inside = np.zeros(len(x), dtype=bool)
     for mesh in meshes:
         scene = o3d.t.geometry.RaycastingScene()
-        scene.add_triangles(mesh.points.astype(np.float32), mesh.triangles.astype(np.uint32))
-        inside |= scene.compute_occupancy(x).numpy() > 0.5
+        scene.add_triangles(
+            o3d.core.Tensor.from_numpy(mesh.points.astype(np.float32)),
+            o3d.core.Tensor.from_numpy(mesh.triangles.astype(np.uint32)),
+        )
+        inside |= scene.compute_occupancy(o3d.core.Tensor.from_numpy(x)).numpy() > 0.5
     share = inside.mean()
     volume = trimesh.Trimesh(solid.points, solid.triangles, process=False).volume / np.prod(high - low)
     assert abs(volume - share) < 4.0 * np.sqrt(share * (1.0 - share) / len(x))

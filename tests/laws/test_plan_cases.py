@@ -15,7 +15,7 @@ from scenec.plan.document import plan_text
 from scenec.solve import solve
 from schemas.scene.runtime_plan import RuntimePlan
 from tests.support.plan.draws import draws, plan_of
-from tests.support.scene.random_problems import mixed_problem, random_problem, tray_problem
+from tests.support.scene.random_problems import mixed_problem, random_problem, tray_problem, word_problem
 
 
 def solved(problem) -> Solved:
@@ -33,6 +33,20 @@ def test_draws_from_tight_problems_are_valid(seed: int):
         plan = plan_of(problem, result)
         for placements in draws(plan, plan.combinations[0], np.random.default_rng(seed), 10):
             assert not violations(problem, placements)
+
+
+@pytest.mark.parametrize("kind", ["above", "surrounding", "in_line"])
+def test_draws_from_small_problems_of_a_word_are_valid(kind: str):
+    """Heights, angles about a centre and steps in a line hold for all poses of a cell at once."""
+    plans = 0
+    for seed in range(25):
+        problem = word_problem(kind, seed)
+        result = solve(problem, 0, budget=1000)
+        if isinstance(result, Solved):
+            plan, plans = plan_of(problem, result), plans + 1
+            for placements in draws(plan, plan.combinations[0], np.random.default_rng(seed), 10):
+                assert not violations(problem, placements), seed
+    assert plans >= 5
 
 
 @pytest.mark.parametrize(

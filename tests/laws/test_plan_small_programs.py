@@ -55,6 +55,10 @@ ACROSS = (
     "{facing: [cup, jar]}",
     "{aligned: [cup, jar], axis: x, frame: world}",
     "{between: [cup, jar, tray], tolerance: 0.05}",
+    "{surrounding: [jar, cup, tray], least_angle_deg: 10}",
+    "{surrounding: [tray, cup, jar], evenly: true, tolerance_deg: 60, distance: 0.4}",
+    "{in_line: [cup, jar], axis: x, tolerance: 0.05, frame: world}",
+    "{in_line: [jar, cup], axis: y, spacing: 0.3, tolerance: 0.1, frame: tray}",
 )
 PROGRAMS = {
     "near, exactly met": TABLE + "\n" + TWO + "relations: [{near: [a, b], distance: 0.2}]\n",

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from shapely.affinity import affine_transform
 
 from scenec.check.judge_scene import violations, world_poses
-from scenec.ir.problem import Placement, Problem, Surface, Thing
+from scenec.ir.problem import Placement, Problem, Thing
 from scenec.ir.relaxed import relaxed, rules
 from scenec.proofs import prove, prove_cheaply
 from tests.support.scene.proof_problems import box_body, problem, table, thing
@@ -30,7 +30,7 @@ def seen(case: Problem, M: np.ndarray) -> Problem:
         return affine_transform(polygon, [*M.ravel(), 0.0, 0.0])
 
     def changed(item: Thing) -> Thing:
-        assert isinstance(item.place, Surface)
+        assert not item.place.is_volume
         axes = [item.domain.x_m, item.domain.y_m]
         order = [int(np.argmax(abs(row))) for row in M]
         ranges = [tuple(sorted(float(M[k, order[k]]) * np.array(axes[order[k]]))) for k in range(2)]

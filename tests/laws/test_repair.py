@@ -37,7 +37,7 @@ def mended(surface) -> RepairResult:
 def distance_share(one, other) -> float:
     """Two-way distance between surfaces, as a share of the first one's diagonal."""
     size = diagonal(one[0])
-    ways = [one_sided_hausdorff(a[0][a[1]], *b, 1e-4 * size).attained for a, b in ((one, other), (other, one))]
+    ways = [one_sided_hausdorff(a[0][a[1]], b[0], b[1], 1e-4 * size).attained for a, b in ((one, other), (other, one))]
     return max(ways) / size
 
 
@@ -94,14 +94,14 @@ def test_the_verdict_depends_on_neither_pose_nor_scale_nor_order(defect: str) ->
     shape = "drilled block"
     points, triangles = DEFECTS[defect].break_(SHAPES[shape](rng), rng)
     here = mended((points, triangles))
-    R, scale = Rotation.random(rng=7).as_matrix(), 1e-3
+    R, scale = Rotation.random(rng=np.random.default_rng(7)).as_matrix(), 1e-3
     order, renamed = rng.permutation(len(triangles)), rng.permutation(len(points))
     moved = np.empty_like(points)
     moved[renamed] = scale * (points @ R.T + [3.0, -2.0, 1.0])
     there = mended((moved, renamed[triangles[order]]))
     assert [r.name for r in there.repairs] == [r.name for r in here.repairs]
     assert solidify(there.meshes)[1]["volume_m3"] == pytest.approx(
-        solidify(here.meshes)[1]["volume_m3"] * scale**3, rel=1e-3
+        float(solidify(here.meshes)[1]["volume_m3"]) * scale**3, rel=1e-3
     )
     for one, other in zip(here.distortions, there.distortions, strict=True):
         assert other.hausdorff == pytest.approx(scale * one.hausdorff, rel=1e-2, abs=1e-4 * scale * one.diagonal)

@@ -31,7 +31,7 @@ def _paths(value: Any, path: tuple = ()) -> list[tuple]:
 def _changed(value: Any, path: tuple, to: Any, how: str) -> Any:
     if not path:
         return to
-    copy = dict(value) if isinstance(value, dict) else list(value)
+    copy: Any = dict(value) if isinstance(value, dict) else list(value)
     if len(path) == 1 and how == "drop":
         del copy[path[0]]
     elif len(path) == 1 and how == "twice" and isinstance(copy, list):

@@ -44,7 +44,7 @@ def random_hull(rng: np.random.Generator, size_m: float = 0.1) -> CollisionShape
 
 
 def random_pose(rng: np.random.Generator, spread_m: float = 0.4) -> np.ndarray:
-    return pose(Rotation.random(random_state=rng).as_matrix(), spread_m * rng.normal(size=3))
+    return pose(Rotation.random(rng=rng).as_matrix(), spread_m * rng.normal(size=3))
 
 
 def at(x: float, y: float = 0.0, z: float = 0.0) -> np.ndarray:
@@ -90,7 +90,7 @@ def test_a_distance_is_never_more_than_that_of_two_points_of_the_shapes(seed: in
 @pytest.mark.parametrize("shape", [BOX, BALL, CAPSULE, CYLINDER])
 def test_the_ball_around_a_shape_holds_it(shape: CollisionShape):
     centre, radius = centre_and_radius(distance_shape(shape))
-    for direction in Rotation.random(20, random_state=1).as_matrix()[:, 0]:
+    for direction in Rotation.random(20, rng=np.random.default_rng(1)).as_matrix()[:, 0]:
         assert support_coordinate(distance_shape(shape), np.eye(4), direction) <= direction @ centre + radius + 1e-12
 
 

@@ -4,90 +4,87 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from shapely import box
+from shapely import Polygon, box
 
-from scene_check import CheckPlace, CheckPrism, CheckReach, check
-from scene_check.batch import (
-    WORLD,
-    BatchPoses,
-    KeepOutRule,
-    PlaceRule,
-    RelationRule,
-    SceneRules,
-    StanceGeometry,
-    ThingRule,
-    scene_at,
-)
+from scene_check import check
+from scene_check.batch import BatchPoses, SceneRules, ThingRule, scene_at
 from scene_check.check_batch import check_batch, unproven
-
-FRONT = np.array([1.0, 0.0])
-
-
-def prism(width: float, depth: float, low: float = 0.0, high: float = 0.05) -> CheckPrism:
-    x, y = width / 2, depth / 2
-    return CheckPrism(np.array([(-x, -y), (x, -y), (x, y), (-x, y)]), low, high)
-
-
-def ell(high: float = 0.05) -> tuple[CheckPrism, ...]:
-    """Two pieces whose convex hull covers more than they do."""
-    foot = CheckPrism(np.array([(-0.05, -0.05), (0.05, -0.05), (0.05, -0.03), (-0.05, -0.03)]), 0.0, high)
-    return foot, CheckPrism(np.array([(-0.05, -0.05), (-0.03, -0.05), (-0.03, 0.05), (-0.05, 0.05)]), 0.0, high)
-
-
-def form(*prisms: CheckPrism, stance: int = 0, height: float = 0.0) -> StanceGeometry:
-    return StanceGeometry(prisms, FRONT, height, stance)
-
-
-HOLED = box(-0.5, -0.4, 0.5, 0.4) - box(0.3, 0.2, 0.4, 0.3)
-TABLE = CheckPlace("background", "top", np.array([0.0, 0.0, 0.7]), 0.0, HOLED)
-TRAY = CheckPlace(
-    "tray",
-    "top",
-    np.array([0.0, 0.0, 0.02]),
-    0.0,
-    box(-0.15, -0.12, 0.15, 0.12),
-    height_m=0.2,
-    above=(CheckPrism(np.asarray(box(0.14, -0.12, 0.15, 0.12).exterior.coords)[:-1], 0.0, 0.03),),
+from schemas.scene.geometry import (
+    Domain,
+    FixedPose,
+    KeepOutVolume,
+    PlaceLayer,
+    Prism,
+    ReachRing,
+    ScenePlace,
+    SceneRelation,
+    Stance,
 )
-BOWL = CheckPlace(
-    "bowl",
+
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+
+
+def prism(width: float, depth: float, low: float = 0.0, high: float = 0.05) -> Prism:
+    x, y = width / 2, depth / 2
+    return Prism(np.array([(-x, -y), (x, -y), (x, y), (-x, y)]), low, high)
+
+
+def ell(high: float = 0.05) -> tuple[Prism, ...]:
+    """Two pieces whose convex hull covers more than they do."""
+    foot = Prism(np.array([(-0.05, -0.05), (0.05, -0.05), (0.05, -0.03), (-0.05, -0.03)]), 0.0, high)
+    return foot, Prism(np.array([(-0.05, -0.05), (-0.03, -0.05), (-0.03, 0.05), (-0.05, 0.05)]), 0.0, high)
+
+
+def form(*prisms: Prism, stance: int = 0, height: float = 0.0) -> tuple[int, Stance]:
+    return stance, Stance(UPRIGHT, prisms, height)
+
+
+HOLED = Polygon(box(-0.5, -0.4, 0.5, 0.4).exterior, [box(0.3, 0.2, 0.4, 0.3).exterior])
+TABLE = ScenePlace("top", HOLED, np.array([0.0, 0.0, 0.7]))
+TRAY = ScenePlace(
+    "top",
+    box(-0.15, -0.12, 0.15, 0.12),
+    np.array([0.0, 0.0, 0.02]),
+    height_m=0.2,
+    above=(Prism(np.asarray(box(0.14, -0.12, 0.15, 0.12).exterior.coords)[:-1], 0.0, 0.03),),
+)
+WIDE = box(-0.07, -0.07, 0.07, 0.07)
+BOWL = ScenePlace.volume(
     "inside",
+    (PlaceLayer(0.0, 0.03, box(-0.06, -0.06, 0.06, 0.06)), PlaceLayer(0.03, 0.06, WIDE)),
+    WIDE,
     np.array([0.0, 0.0, 0.01]),
-    0.0,
-    height_m=0.06,
-    layers=((0.0, 0.03, box(-0.06, -0.06, 0.06, 0.06)), (0.03, 0.06, box(-0.07, -0.07, 0.07, 0.07))),
 )
 
 
 def rules(yaw: float) -> SceneRules:
+    on_table = "background", TABLE
+    hooks = FixedPose(0.45, -0.35, 0.0, 0.0), FixedPose(0.4, -0.35, 0.02, 0.1)
     things = (
-        ThingRule("tray", (form(prism(0.3, 0.24, 0.0, 0.02)),), 0, x_m=(-0.3, 0.0)),
-        ThingRule("bowl", (form(prism(0.16, 0.16, 0.0, 0.07)),), 0, yaw_rad=(-0.5, 0.5)),
-        ThingRule("ell", (form(*ell()), form(prism(0.08, 0.03), stance=1, height=0.01)), 0, stances=(0,)),
-        ThingRule("cup", (form(prism(0.05, 0.05, 0.0, 0.1)), form(prism(0.07, 0.04, 0.0, 0.08))), 1),
-        ThingRule("egg", (form(prism(0.04, 0.04)),), 2),
-        ThingRule(
-            "peg", (form(prism(0.03, 0.03)),), 0, fixed_poses=((0.45, -0.35, 0.0, 0.0, 0), (0.4, -0.35, 0.02, 0.1, 0))
-        ),
+        ThingRule("tray", (form(prism(0.3, 0.24, 0.0, 0.02)),), *on_table, Domain(x_m=(-0.3, 0.0))),
+        ThingRule("bowl", (form(prism(0.16, 0.16, 0.0, 0.07)),), *on_table, Domain(yaw_rad=(-0.5, 0.5))),
+        ThingRule("ell", (form(*ell()), form(prism(0.08, 0.03), stance=1, height=0.01)), *on_table),
+        ThingRule("cup", (form(prism(0.05, 0.05, 0.0, 0.1)), form(prism(0.07, 0.04, 0.0, 0.08))), "tray", TRAY),
+        ThingRule("egg", (form(prism(0.04, 0.04)),), "bowl", BOWL),
+        ThingRule("peg", (form(prism(0.03, 0.03)),), *on_table, Domain(fixed_poses=hooks)),
     )
     return SceneRules(
         things,
-        (PlaceRule(WORLD, TABLE), PlaceRule(0, TRAY), PlaceRule(1, BOWL)),
         np.array([0.4, -0.3, 0.1]),
         yaw,
         0.01,
         (
-            RelationRule("before", (0, 1), np.array([1.0, 0.0]), gap_m=0.02),
-            RelationRule("near", (0, 1), np.array([1.0, 0.0]), gap_m=0.3),
-            RelationRule("near", (2, 1), np.array([1.0, 0.0]), gap_m=0.6),
-            RelationRule("far_from", (1, 2), np.array([1.0, 0.0]), gap_m=0.05),
-            RelationRule("aligned", (0, 1), np.array([1.0, 0.0]), tolerance=0.25),
-            RelationRule("facing", (0, 1), np.array([1.0, 0.0]), tolerance=1.2),
-            RelationRule("between", (3, 0, 1), np.array([1.0, 0.0]), tolerance=0.3),
-            RelationRule("before", (3, 5), np.array([1.0, 0.0]), frame=0, gap_m=0.0),
+            SceneRelation("before", ("tray", "bowl"), (1.0, 0.0), gap_m=0.02),
+            SceneRelation("near", ("tray", "bowl"), (1.0, 0.0), gap_m=0.3),
+            SceneRelation("near", ("ell", "bowl"), (1.0, 0.0), gap_m=0.6),
+            SceneRelation("far_from", ("bowl", "ell"), (1.0, 0.0), gap_m=0.05),
+            SceneRelation("aligned", ("tray", "bowl"), (1.0, 0.0), tolerance=0.25),
+            SceneRelation("facing", ("tray", "bowl"), (1.0, 0.0), tolerance=1.2),
+            SceneRelation("between", ("cup", "tray", "bowl"), (1.0, 0.0), tolerance=0.3),
+            SceneRelation("before", ("cup", "peg"), (1.0, 0.0), frame="tray", gap_m=0.0),
         ),
-        (KeepOutRule(0, box(-0.02, -0.4, 0.0, -0.3), 0.1),),
-        CheckReach(np.array([0.4, -0.9, 0.0]), 0.1, 1.1, ("bowl", "cup")),
+        (KeepOutVolume("background", TABLE, box(-0.02, -0.4, 0.0, -0.3), 0.1),),
+        ReachRing(np.array([0.4, -0.9, 0.0]), 0.1, 1.1, ("bowl", "cup")),
     )
 
 

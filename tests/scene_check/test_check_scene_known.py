@@ -7,22 +7,24 @@ from dataclasses import replace
 import numpy as np
 from shapely import box
 
-from scene_check import CheckKeepOut, CheckObject, CheckPlace, CheckReach, CheckRelation, CheckScene, check
-from tests.scene_check.test_check_scene import TABLE, block
+from scene_check import CheckObject, CheckScene, PosedPlace, check
+from scene_check.batch import place_in_world
+from schemas.scene.geometry import KeepOutVolume, PlaceLayer, ReachRing, ScenePlace, SceneRelation
+from tests.scene_check.test_check_scene import TABLE, TOP, block
 
-KEEP_OUT = CheckKeepOut(TABLE, box(0.45, -0.4, 0.6, 0.4), 0.05, "door")
-REACH = CheckReach(np.zeros(3), 0.0, 0.6, ("b0", "b1"))
+KEEP_OUT = TABLE, KeepOutVolume("background", TOP, box(0.45, -0.4, 0.6, 0.4), 0.05)
+REACH = ReachRing(np.zeros(3), 0.0, 0.6, ("b0", "b1"))
 
 
-def crate(x: float, y: float) -> tuple[CheckObject, CheckPlace]:
+def crate(x: float, y: float) -> tuple[CheckObject, PosedPlace]:
     """A low block that carries a volume, and that volume."""
-    inside = CheckPlace(
-        "crate", "in", np.array([x, y, 0.05]), 0.0, layers=((0.0, 0.3, box(-0.12, -0.12, 0.12, 0.12)),), height_m=0.3
-    )
-    return block("crate", x, y, size=(0.26, 0.26, 0.05)), inside
+    area = box(-0.12, -0.12, 0.12, 0.12)
+    inside = ScenePlace.volume("in", (PlaceLayer(0.0, 0.3, area),), area, np.array([0.0, 0.0, 0.05]))
+    owner = block("crate", x, y, size=(0.26, 0.26, 0.05))
+    return owner, place_in_world("crate", inside, owner.origin_m, 0.0)
 
 
-def contents(rng: np.random.Generator, inside: CheckPlace) -> list[CheckObject]:
+def contents(rng: np.random.Generator, inside: PosedPlace) -> list[CheckObject]:
     """Two blocks in a volume, one of them over the other, which may hold it or not."""
     low = block("low", *rng.uniform(-0.08, 0.08, 2), place=inside)
     return [low, block("over", *rng.uniform(-0.06, 0.06, 2), size=(0.05, 0.05, 0.05), base=0.1, place=inside)]
@@ -38,17 +40,17 @@ def crowd(rng: np.random.Generator) -> list[CheckObject]:
     return [owner, *contents(rng, inside), *loose]
 
 
-def scene(objects: list[CheckObject], relations: tuple[CheckRelation, ...]) -> CheckScene:
+def scene(objects: list[CheckObject], relations: tuple[SceneRelation, ...]) -> CheckScene:
     there = {item.name for item in objects}
-    asked = tuple(relation for relation in relations if there.issuperset(relation.objects))
-    reach = replace(REACH, objects=tuple(name for name in REACH.objects if name in there))
+    asked = tuple(relation for relation in relations if there.issuperset(relation.things))
+    reach = replace(REACH, members=tuple(name for name in REACH.members if name in there))
     return CheckScene(tuple(objects), 0.01, asked, (KEEP_OUT,), reach)
 
 
-def relation(rng: np.random.Generator) -> CheckRelation:
+def relation(rng: np.random.Generator) -> SceneRelation:
     one, two = rng.choice(12, 2, replace=False)
     kind = str(rng.choice(["before", "near", "far_from"]))
-    return CheckRelation(kind, (f"b{one}", f"b{two}"), np.array([1.0, 0.0]), float(rng.uniform(0.0, 0.3)))
+    return SceneRelation(kind, (f"b{one}", f"b{two}"), (1.0, 0.0), float(rng.uniform(0.0, 0.3)))
 
 
 def valid(rng: np.random.Generator) -> CheckScene:

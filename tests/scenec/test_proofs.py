@@ -13,10 +13,11 @@ from shapely import Polygon, box
 
 from geom.planar import turned
 from scenec.check.judge_scene import violations
-from scenec.ir.problem import Domain, FixedPose, KeepOutIR, Placement, Problem, ReachIR, RelationIR, Thing, Volume
+from scenec.ir.problem import Placement, Problem, Thing
 from scenec.proofs import prove, prove_cheaply
 from scenec.proofs.exhaustive import no_arrangement
 from scenec.proofs.outlines import kernel, least_width, period, support_bounds
+from schemas.scene.geometry import Domain, FixedPose, KeepOutVolume, PlaceLayer, ReachRing, ScenePlace, SceneRelation
 from tests.support.scene.proof_problems import box_body, left_of, problem, table, thing
 from tests.support.scene.random_problems import random_problem
 from tests.support.scene.truth import truth
@@ -29,8 +30,14 @@ def kind(case: Problem) -> str | None:
     return proof.kind if proof else None
 
 
-def three(*relations: RelationIR, place=TABLE, **how) -> Problem:
+def three(*relations: SceneRelation, place=TABLE, **how) -> Problem:
     return problem([thing(name, (0.1, 0.06), place, yaw=(-np.pi, np.pi)) for name in "abc"], relations, **how)
+
+
+def crate(width_m: float, height_m: float) -> ScenePlace:
+    """The inside of a receptacle with a square floor and upright walls."""
+    area = box(-width_m / 2, -width_m / 2, width_m / 2, width_m / 2)
+    return ScenePlace.volume("inside", (PlaceLayer(0.0, height_m, area),), area, np.zeros(3))
 
 
 def test_a_circle_of_three_is_named_exactly_and_fast():
@@ -46,7 +53,7 @@ def test_a_circle_of_three_is_named_exactly_and_fast():
 
 
 def test_words_that_mean_the_same_direction_close_a_circle_too():
-    right = RelationIR("before", ("a", "b"), (-1.0, 0.0), path=("relations", 0), word="right_of")
+    right = SceneRelation("before", ("a", "b"), (-1.0, 0.0), path=("relations", 0), word="right_of")
     assert kind(three(right, left_of(1, "a", "b"))) == "relation-cycle"
     assert prove_cheaply(three(right, left_of(1, "b", "a"))) is None
 
@@ -77,10 +84,10 @@ def test_a_range_off_the_polygon_a_hole_a_keep_out_and_reach_leave_no_region():
     holed = replace(TABLE, polygon=Polygon(TABLE.polygon.exterior, [box(-0.5, -0.3, 0.5, 0.3).exterior]))
     assert kind(problem([thing("a", (0.1, 0.1), holed, yaw=(-np.pi, np.pi))])) is None
     assert kind(problem([thing("a", (0.11, 0.11), holed, yaw=(-np.pi, np.pi))])) == "empty-region"
-    keep = KeepOutIR("background", TABLE, box(-0.5, -0.4, 0.5, 0.4), 0.1, ("keep_outs", 0))
+    keep = KeepOutVolume("background", TABLE, box(-0.5, -0.4, 0.5, 0.4), 0.1, ("keep_outs", 0))
     assert kind(problem([thing("a", (0.11, 0.11), TABLE)], keep_outs=(keep,))) == "empty-region"
     assert kind(problem([thing("a", (0.1, 0.1), TABLE)], keep_outs=(keep,))) is None
-    reach = ReachIR(np.array([0.0, -1.0, 0.0]), 0.0, 0.66, ("a",), ("reach",))
+    reach = ReachRing(np.array([0.0, -1.0, 0.0]), 0.0, 0.66, ("a",), ("reach",))
     assert kind(problem([thing("a", (0.1, 0.1), TABLE)], reach=reach)) is None
     assert kind(problem([thing("a", (0.1, 0.1), TABLE, y=(-0.2, 0.2))], reach=reach)) == "empty-region"
 
@@ -89,7 +96,9 @@ def test_too_high_for_a_shelf_or_a_box():
     low = table(1.2, 0.8, clearance=0.2)
     assert kind(problem([thing("a", (0.1, 0.1), low, height=0.21)])) == "empty-region"
     assert kind(problem([thing("a", (0.1, 0.1), low, height=0.2)])) is None
-    inside = Volume("inside", ((0.0, 0.1, box(-0.1, -0.1, 0.1, 0.1)),), box(-0.1, -0.1, 0.1, 0.1), np.zeros(3))
+    inside = ScenePlace.volume(
+        "inside", (PlaceLayer(0.0, 0.1, box(-0.1, -0.1, 0.1, 0.1)),), box(-0.1, -0.1, 0.1, 0.1), np.zeros(3)
+    )
     assert kind(problem([thing("a", (0.1, 0.1), inside, height=0.11)])) == "empty-region"
 
 
@@ -105,14 +114,17 @@ def test_area_of_the_stretch_that_ranges_share():
 
 
 def test_things_that_may_be_stacked_are_not_counted_side_by_side():
-    inside = Volume("inside", ((0.0, 0.2, box(-0.06, -0.06, 0.06, 0.06)),), box(-0.06, -0.06, 0.06, 0.06), np.zeros(3))
+    inside = ScenePlace.volume(
+        "inside", (PlaceLayer(0.0, 0.2, box(-0.06, -0.06, 0.06, 0.06)),), box(-0.06, -0.06, 0.06, 0.06), np.zeros(3)
+    )
     assert kind(problem([thing(name, (0.1, 0.1), inside, height=0.1) for name in "ab"])) is None
     assert kind(problem([thing(name, (0.1, 0.1), inside, height=0.11) for name in "ab"])) == "area-bound"
 
 
 def test_near_and_far_contradict():
-    near = [RelationIR("near", pair, gap_m=0.05, path=("relations", k)) for k, pair in enumerate(["ab", "bc"])]
-    far = RelationIR("far_from", ("a", "c"), gap_m=0.3, path=("relations", 2))
+    pairs = (("a", "b"), ("b", "c"))
+    near = [SceneRelation("near", pair, gap_m=0.05, path=("relations", k)) for k, pair in enumerate(pairs)]
+    far = SceneRelation("far_from", ("a", "c"), gap_m=0.3, path=("relations", 2))
     proof = prove_cheaply(three(*near, far))
     assert proof is not None
     assert set(proof.paths) == {("relations", 0), ("relations", 1), ("relations", 2)}
@@ -124,7 +136,7 @@ def test_more_mugs_than_hooks():
     mugs = [thing(name, (0.08, 0.08), TABLE, fixed_poses=fixed_poses) for name in "abc"]
     assert kind(problem(mugs)) == "empty-domain"
     assert kind(problem(mugs[:2])) is None
-    blocked = KeepOutIR("background", TABLE, box(0.1, -0.1, 0.3, 0.1), 0.1, ("keep_outs", 0))
+    blocked = KeepOutVolume("background", TABLE, box(0.1, -0.1, 0.3, 0.1), 0.1, ("keep_outs", 0))
     assert kind(problem(mugs[:2], keep_outs=(blocked,))) == "empty-domain"
 
 
@@ -138,7 +150,7 @@ def test_children_are_bounded_in_the_frame_of_their_owner():
     tray = box_body("tray", 0.3, 0.2, 0.02, holds=True)
     top = tray.surfaces[0]
     children = [thing(name, (0.1, 0.1), top, parent="tray") for name in "abc"]
-    relations = [replace(left_of(k, *pair, 0.01), frame="tray") for k, pair in enumerate(["ab", "bc"])]
+    relations = [replace(left_of(k, a, b, 0.01), frame="tray") for k, (a, b) in enumerate(["ab", "bc"])]
     stands = thing("tray", tray, TABLE, yaw=(-np.pi, np.pi))
     assert kind(problem([stands, *children], relations)) == "too-wide"
     assert kind(problem([stands, *children[:2]], relations[:1])) is None
@@ -164,7 +176,7 @@ angle = st.floats(-4.0, 4.0)
 @given(corners, angle, st.floats(0.0, 2 * np.pi), angle, st.floats(0.0, 1.0))
 def test_bounds_over_headings_hold_at_every_heading(points, low, span, aim, part):
     shape = Polygon(points).convex_hull if len(set(points)) > 3 else None
-    if shape is None or shape.geom_type != "Polygon" or shape.area < 1e-6:
+    if not isinstance(shape, Polygon) or shape.area < 1e-6:
         return
     ring = np.asarray(shape.exterior.coords)[:0:-1]
     ring = ring if Polygon(ring).exterior.is_ccw else ring[::-1]
@@ -180,8 +192,8 @@ def test_bounds_over_headings_hold_at_every_heading(points, low, span, aim, part
 
 
 def test_symmetric_outlines_have_short_periods():
-    assert period(box_body("a", 0.1, 0.1).resting_orientations[0].slabs[0].outline_m) == pytest.approx(np.pi / 2)
-    assert period(box_body("a", 0.1, 0.05).resting_orientations[0].slabs[0].outline_m) == pytest.approx(np.pi)
+    assert period(box_body("a", 0.1, 0.1).resting_orientations[0].prisms[0].outline_m) == pytest.approx(np.pi / 2)
+    assert period(box_body("a", 0.1, 0.05).resting_orientations[0].prisms[0].outline_m) == pytest.approx(np.pi)
 
 
 @settings(max_examples=30, deadline=None)
@@ -194,7 +206,8 @@ def test_no_proof_against_a_scene_that_exists(seed):
     for k in range(int(rng.integers(2, 7))):
         free = bool(rng.random() < 0.5)
         item = thing(f"o{k}", tuple(rng.uniform(0.03, 0.1, 2)), table(0.3, 0.24), yaw=(-np.pi, np.pi))
-        at = Placement(*rng.uniform([-0.13, -0.1, -3.1], [0.13, 0.1, 3.1]), 0)
+        x, y, yaw = rng.uniform([-0.13, -0.1, -3.1], [0.13, 0.1, 3.1]).tolist()
+        at = Placement(x, y, yaw, 0)
         if violations(problem([*things, item], clearance=0.005), placements | {item.name: at}):
             continue
         pinch = Domain((at.x_m - 0.01, at.x_m + 0.01), (at.y_m, at.y_m), (at.yaw_rad - 0.1, at.yaw_rad))

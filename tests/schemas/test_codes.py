@@ -16,6 +16,7 @@ from assetkit.stages.physics import AuthorPhysics
 from assetkit.stages.semantics import DescribeObject
 from cli.codes import all_codes
 from cli.docs.diagnostics import file_name, index, page
+from formats import read_mjcf, read_urdf
 from replay.recording.formats.read import read_episodes
 from runtime_plan import load
 from scenec.bind.asset_library import AssetLibrary
@@ -26,13 +27,13 @@ from schemas.codes import CODES
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from sim.fake import FakeSimulator
 from simgap.recording.read import read
-from tests.support.bad_inputs import gap, replay, scene
+from tests.support.bad_inputs import gap, replay, robot, scene
 from tests.support.bad_inputs import plan as plan_bad_inputs
 from tests.support.bad_inputs.assets import NOT_FROM_A_FILE, SAMPLES
 from tests.support.scene import library as scene_library
 
 PAGES = Path(__file__).parents[2] / "docs" / "diagnostics"
-GAP, SCENE, PLAN, REPLAY = "gap/", "scene/", "plan/", "replay/"
+GAP, SCENE, PLAN, REPLAY, ROBOT = "gap/", "scene/", "plan/", "replay/", "robot/"
 
 
 def findings(file: Path, options: Options) -> list[Diagnostic]:
@@ -58,7 +59,7 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
 
 
 def test_every_code_has_a_sample():
-    assert {*SAMPLES, *NOT_FROM_A_FILE} == {c for c in CODES if not c.startswith((GAP, SCENE, PLAN, REPLAY))}
+    assert {*SAMPLES, *NOT_FROM_A_FILE} == {c for c in CODES if not c.startswith((GAP, SCENE, PLAN, REPLAY, ROBOT))}
     assert not set(SAMPLES) & set(NOT_FROM_A_FILE)
 
 
@@ -77,6 +78,27 @@ def test_every_plan_code_has_a_sample():
     samples, others = set(plan_bad_inputs.SAMPLES), set(plan_bad_inputs.NOT_FROM_A_PLAN)
     assert samples | others == {c for c in CODES if c.startswith(PLAN)}
     assert not samples & others
+
+
+def test_every_robot_code_has_a_sample():
+    samples, others = set(robot.SAMPLES), set(robot.NOT_FROM_A_DESCRIPTION)
+    assert samples | others == {c for c in CODES if c.startswith(ROBOT)}
+    assert not samples & others
+
+
+@pytest.mark.parametrize("code", sorted(robot.SAMPLES))
+def test_robot_sample_triggers_its_code_with_file_line_and_help(code: str, tmp_path: Path):
+    path = robot.write(robot.SAMPLES[code], tmp_path)
+    read_file = read_urdf if path.suffix == ".urdf" else read_mjcf
+    try:
+        findings_of_file = read_file(path).notes
+    except InvalidInput as refused:
+        findings_of_file = (refused.diagnostic,)
+    (diagnostic,) = [d for d in findings_of_file if d.code == code]
+    assert diagnostic.headline
+    assert diagnostic.where.file == path.name
+    assert diagnostic.where.line
+    assert diagnostic.help == CODES[code].help
 
 
 def test_every_replay_code_has_a_sample():
@@ -135,7 +157,13 @@ def test_scene_sample_without_a_scene_ends_in_its_verdict(code: str, tmp_path: P
     assert not compiled.scenes
 
 
-ELSEWHERE = NOT_FROM_A_FILE | gap.NOT_FROM_A_FOLDER | plan_bad_inputs.NOT_FROM_A_PLAN | replay.NOT_FROM_A_RECORDING
+ELSEWHERE = (
+    NOT_FROM_A_FILE
+    | gap.NOT_FROM_A_FOLDER
+    | plan_bad_inputs.NOT_FROM_A_PLAN
+    | replay.NOT_FROM_A_RECORDING
+    | robot.NOT_FROM_A_DESCRIPTION
+)
 
 
 @pytest.mark.parametrize(("code", "test"), sorted(ELSEWHERE.items()))

@@ -27,8 +27,8 @@ def _rod(radius: float, height: float) -> manifold3d.Manifold:
     return manifold3d.Manifold.cylinder(height, radius, radius, 40, True)
 
 
-def _block(*size: float) -> manifold3d.Manifold:
-    return manifold3d.Manifold.cube(size, True)
+def _block(x: float, y: float, z: float) -> manifold3d.Manifold:
+    return manifold3d.Manifold.cube((x, y, z), True)
 
 
 SHAPES: dict[str, Callable[[np.random.Generator], Surface]] = {

@@ -43,7 +43,7 @@ def endpoint(*script: Respond) -> Iterator[Server]:
             with suppress(OSError):  # The client hung up.
                 respond(self)
 
-        def log_message(self, *_: Any) -> None:
+        def log_message(self, format: str, *args: Any) -> None:
             pass
 
     server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)

@@ -1,8 +1,5 @@
 """Two clean packages to seed defects into: a textured prop, and a cabinet with a drawer and a door."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import json

@@ -54,7 +54,7 @@ class Library:
 
 def _answer(version: str, folder: str, episode: int | None) -> None:
     sys.path.insert(0, str(FOLDER / f"lerobot-{version}"))
-    from lerobot.datasets.lerobot_dataset import CODEBASE_VERSION, LeRobotDataset  # pyright: ignore
+    from lerobot.datasets.lerobot_dataset import CODEBASE_VERSION, LeRobotDataset
 
     assert version == CODEBASE_VERSION
     beside = Path(folder).parent
@@ -67,7 +67,7 @@ def _answer(version: str, folder: str, episode: int | None) -> None:
     columns = {"state": states[:, 0], "state_after": states[:-1, -1]}
     stored = data.hf_dataset.with_format("arrow")[:]  # Else 64 bits are made 32.
     columns |= {name: stored[name].to_numpy() for name in ("timestamp", "source_timestamp")}
-    return np.savez(beside / "found.npz", **columns, tolerance_s=data.tolerance_s)
+    return np.savez(beside / "found.npz", **columns, tolerance_s=data.tolerance_s, allow_pickle=True)
 
 
 def _write(kind: Any, folder: Path, given: dict[str, np.ndarray]) -> None:

@@ -45,7 +45,7 @@ def weighed(
     assert canonical is not None
     mass_inputs = mass_inputs_of(Draft("case", file, item, canonicalize=canonical), canonical)
     mass = mass_evidence(canonical.solid, [file], replace(mass_inputs, cavities=find_cavities(canonical.solid)))
-    back = pose(None, [-v for v in canonical.section.origin_offset_m])
+    back = pose(None, -np.asarray(canonical.section.origin_offset_m))
     return mass, canonical, moved(mass.properties, back)
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import io
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import trimesh
 from PIL import Image
 
-from schemas.evidence import declared
-from schemas.model import Material, Mesh, Model, Texture, TextureUse
+from schemas.evidence import Evidence, declared
+from schemas.model import Axis, Material, Mesh, Model, Texture, TextureUse
 from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, MassProperties
 
@@ -27,11 +28,11 @@ def jpeg() -> bytes:
     return data.getvalue()
 
 
-def mesh_from(source: trimesh.Trimesh, name: str = "mesh", **fields: object) -> Mesh:
+def mesh_from(source: trimesh.Trimesh, name: str = "mesh", **fields: Any) -> Mesh:
     return Mesh(name, np.array(source.vertices, dtype=np.float64), np.array(source.faces, dtype=np.int32), **fields)
 
 
-def box_mesh(size=(0.1, 0.08, 0.06), name: str = "body", shift=(0.0, 0.0, 0.0), **fields: object) -> Mesh:
+def box_mesh(size=(0.1, 0.08, 0.06), name: str = "body", shift=(0.0, 0.0, 0.0), **fields: Any) -> Mesh:
     box = trimesh.creation.box(size)
     box.apply_translation(np.array([0.0, 0.0, size[2] / 2]) + shift)
     return mesh_from(box, name, **fields)
@@ -46,7 +47,8 @@ def colors(mesh: Mesh, seed: int = 0) -> np.ndarray:
 
 
 def model(meshes, materials=(), textures=()) -> Model:
-    units = declared(1.0, "test"), declared("z", "test")
+    up: Evidence[Axis] = Evidence(value="z", source="declared", method="test")
+    units = declared(1.0, "test"), up
     return Model(tuple(meshes), tuple(materials), tuple(textures), (), *units).with_mesh_ids()
 
 
@@ -95,17 +97,17 @@ PHOTO = Texture("Föto 1", jpeg(), "jpg", 4, 4)
 
 def full_material() -> Material:
     """Every input textured, with transforms, wraps, packed channels, alpha from the colour image."""
-    packed = {"texture": "Föto 1"}
+    packed = "Föto 1"
     return Material(
         name="Alles dran",
         base_color=(0.5, 0.6, 0.7),
         base_color_texture=TextureUse("picture", uv_scale=(2.0, 3.0), uv_rotation_rad=0.3, uv_offset=(0.1, 0.2)),
         metallic=1.0,
-        metallic_texture=TextureUse(channel="b", **packed),
+        metallic_texture=TextureUse(packed, channel="b"),
         roughness=1.0,
-        roughness_texture=TextureUse(channel="g", **packed),
+        roughness_texture=TextureUse(packed, channel="g"),
         normal_texture=TextureUse("picture", uv_set=1),
-        occlusion_texture=TextureUse(channel="r", scale=0.8, bias=0.2, **packed),
+        occlusion_texture=TextureUse(packed, channel="r", scale=0.8, bias=0.2),
         emissive=(0.2, 0.3, 0.4),
         emissive_texture=TextureUse("picture", wrap_s="clamp", wrap_t="mirror"),
         opacity=0.9,

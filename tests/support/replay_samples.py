@@ -71,7 +71,7 @@ def staged(folder: Path, rows: Columns | None = None, model: str = MODEL, meshes
     (folder / "raw" / "model.xml").write_text(model)
     if meshes:
         arrays = {"lower|geom4|v": TIP.vertices, "lower|geom4|f": TIP.faces}
-        np.savez(folder / "meshes_body_frame.npz", **arrays)  # pyright: ignore[reportArgumentType]
+        np.savez(folder / "meshes_body_frame.npz", **arrays, allow_pickle=True)
     return folder
 
 

@@ -24,8 +24,10 @@ def box(size_m: Sequence[float], touch: Contact | None = None) -> RigidBody:
 
 def boxes(parts: Sequence[tuple[Sequence[float], Sequence[float]]], touch: Contact | None = None) -> RigidBody:
     """A compound of (edge lengths, centre)."""
-    shapes = tuple(CollisionShape("box", tuple(map(float, size)), pose(None, centre)) for size, centre in parts)
-    masses = [inertia.moved(inertia.of_box(size, DENSITY), pose(None, centre)) for size, centre in parts]
+    shapes = tuple(
+        CollisionShape("box", tuple(map(float, size)), pose(None, np.asarray(centre))) for size, centre in parts
+    )
+    masses = [inertia.moved(inertia.of_box(size, DENSITY), pose(None, np.asarray(centre))) for size, centre in parts]
     return RigidBody("boxes", shapes, inertia.combine(masses), touch or contact())
 
 

@@ -9,7 +9,8 @@ is left takes under two minutes.
 from __future__ import annotations
 
 import csv
-from collections import Counter
+from collections import defaultdict
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -27,12 +28,13 @@ def read_seconds(table: Path = TABLE) -> dict[str, float]:
         return {row["path"]: float(row["seconds"]) for row in csv.DictReader(lines)}
 
 
-def table_of(durations_s: Counter[str]) -> list[tuple[str, float]]:
+def table_of(durations_s: Mapping[str, float]) -> list[tuple[str, float]]:
     """Rows of the table for measured seconds by file (relative to `tests`): folders by name, then long files."""
-    folders: Counter[str] = Counter()
+    folders: defaultdict[str, float] = defaultdict(float)
     for file, seconds in durations_s.items():
         folders[file.split("/")[0] + "/"] += seconds
-    long = [(file, seconds) for file, seconds in durations_s.most_common() if seconds >= LISTED_S]
+    longest_first = sorted(durations_s.items(), key=lambda row: -row[1])
+    long = [(file, seconds) for file, seconds in longest_first if seconds >= LISTED_S]
     return [(path, round(seconds, 1)) for path, seconds in (*sorted(folders.items()), *long)]
 
 
@@ -65,7 +67,7 @@ class SecondsPlugin:
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
-        self._by_file: Counter[str] = Counter()
+        self._by_file: defaultdict[str, float] = defaultdict(float)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Add one phase of one test."""

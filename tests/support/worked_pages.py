@@ -1,8 +1,8 @@
 """Worked examples of `docs/contributing/`: a page's blocks applied to a copy of the repository, its commands run there.
 
-A page holds three kinds of blocks. Python: a whole new file, named by a comment in its first line. Diff: changes of
-files, in hunks `@@` without line numbers, because the old lines of a hunk occur exactly once in the file. Shell:
-commands. Under the heading "Files to touch" a numbered list names every file that changes.
+A page holds three kinds of blocks. Python or YAML: a whole new file, named by a comment in its first line. Diff:
+changes of files, in hunks `@@` without line numbers, because the old lines of a hunk occur exactly once in the file.
+Shell: commands. Under the heading "Files to touch" a numbered list names every file that changes.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-NAMED = re.compile(r"# ([\w/]+\.py)\n")
+NAMED = re.compile(r"# ([\w/]+\.(?:py|yaml))\n")
 LISTED = re.compile(r"^\d+\. (?:new `([\w.-]+)` in )?`([\w/.-]+)`(.*(?:\n   .*)*)", re.MULTILINE)
 PROGRAMS = {"make docs": [sys.executable, "-m", "cli.docs"]}
 PYTHON = ".venv/bin/python "
@@ -65,11 +65,12 @@ def listed(text: str) -> list[Listed]:
 def new_files(text: str) -> dict[str, str]:
     """Content of each new file by its path."""
     files: dict[str, str] = {}
-    for body in _blocks(text, "python"):
-        named = NAMED.match(body)
-        if named is None:
-            raise NotApplicable("a block of Python does not name its file in the first line")
-        files[named[1]] = body[named.end() :]
+    for language in ("python", "yaml"):
+        for body in _blocks(text, language):
+            named = NAMED.match(body)
+            if named is None:
+                raise NotApplicable(f"a block of {language} does not name its file in the first line")
+            files[named[1]] = body[named.end() :]
     return files
 
 
@@ -154,7 +155,9 @@ def _change(path: str, hunk: str) -> Change:
 def _left_out(folder: str, names: list[str]) -> list[str]:
     """What a copy does not need: hidden and made folders, pictures, data of the root."""
     at_root = Path(folder) == ROOT
+    # A folder of package metadata without its PKG-INFO would hide the installed version.
     taken = [n for n in names if not n.startswith(".") and n not in ("__pycache__", "images")]
+    taken = [n for n in taken if not n.endswith(".egg-info")]
     taken = [n for n in taken if Path(folder, n).is_dir() or any(Path(n).match(kind) for kind in COPIED)]
     if at_root:
         taken = [

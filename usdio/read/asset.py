@@ -1,9 +1,6 @@
 """Reads a foreign USD asset into a `Model` in the stage's own units: pins its layers, composes, converts meshes,
 materials and physics."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import re

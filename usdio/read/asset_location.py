@@ -1,8 +1,5 @@
 """Location of a USD file, on disk or inside a USDZ package, and the only resolution of references from it."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import posixpath
@@ -14,7 +11,7 @@ from urllib.parse import unquote
 from pxr import Ar
 
 from schemas.diagnostics import Location
-from schemas.references import expected_path, resolve_reference
+from schemas.files.references import expected_path, resolve_reference
 from usdio.read.usdz import check_package
 
 
@@ -65,7 +62,7 @@ class AssetLocation:
     def resolve(self, uri: str, *, prim: str | None = None) -> AssetLocation | None:
         """The file that a reference in this file names, or None when there is none.
 
-        Raises InvalidInput as `schemas.references.resolve_reference` does, and, for a USDZ target, as `check_package`.
+        Raises InvalidInput as `schemas.files.references.resolve_reference` and, for USDZ, `check_package` do.
         """
         where = self.where(prim=prim)
         outer, inner = Ar.SplitPackageRelativePathOuter(uri) if Ar.IsPackageRelativePath(uri) else (uri, "")

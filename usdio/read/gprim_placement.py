@@ -1,8 +1,5 @@
 """Finds the visible gprims of a stage, instances expanded, and the world transform of each (4x4, stage units)."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

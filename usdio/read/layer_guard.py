@@ -5,9 +5,6 @@ of the file it names. OpenUSD's own resolver, which would search the working dir
 never used, and reading the same asset twice in one process cannot meet a stale layer.
 """
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import re

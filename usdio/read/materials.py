@@ -1,8 +1,5 @@
 """Converts the UsdShade materials bound to gprims into `schemas.model.Material`, with the textures they use."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import posixpath
@@ -13,9 +10,9 @@ from typing import Any
 from pxr import Usd, UsdShade
 
 from schemas.diagnostics import Diagnostic, Location, finding
+from schemas.files.references import tile_references
 from schemas.model import Material, Texture
 from schemas.outcome import INTAKE, Repair
-from schemas.references import tile_references
 from usdio.read.layer_guard import PinnedLayers
 from usdio.read.pbr import Color, MaterialConversion
 from usdio.read.shader_dialects import PREVIEW, ShaderDialect, dialect_of

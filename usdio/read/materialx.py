@@ -4,9 +4,6 @@ The layer follows the layout of OpenUSD's usdMtlx plugin: materials under /Mater
 them (here with the node graphs each of them needs), shader ids `ND_<category>_<type>` (MaterialX 1.38 specification).
 """
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from typing import Final

@@ -1,8 +1,5 @@
 """Reads one UsdGeom gprim as triangles with per-corner attributes, in the frame of the prim."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass

@@ -1,8 +1,5 @@
 """Converts the inputs of a surface shader into the metallic-roughness `Material` of `schemas.model`."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import math

@@ -1,8 +1,5 @@
 """Mass and contact values of a foreign stage (UsdPhysics MassAPI, MaterialAPI), in the model frame, masses in kg."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import math

@@ -1,8 +1,5 @@
 """Root layers among several USD files: those that no other file names as sublayer, reference or payload."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Sequence

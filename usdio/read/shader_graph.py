@@ -1,8 +1,5 @@
 """Resolves a shader input through a UsdShade network to its source: a constant, an image or a primvar."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import math

@@ -1,8 +1,5 @@
 """Metadata of a foreign stage: length unit, up axis, default prim, authorship, free texts."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import math

@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 from typing import Final
 
 from schemas.diagnostics import InvalidInput, Location, finding
-from schemas.zip_damage import ZIP_DAMAGE
+from schemas.files.zip_damage import ZIP_DAMAGE
 
 MAX_BYTES: Final = 2**30
 MAX_ENTRIES: Final = 65536

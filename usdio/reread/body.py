@@ -2,9 +2,6 @@
 
 Input is the main USD file; output is in the asset frame, metres and kilograms."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass

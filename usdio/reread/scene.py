@@ -1,8 +1,5 @@
 """Reads a written scene back from disk, as a simulator would: every body, dynamic or static, with its world pose."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from dataclasses import dataclass

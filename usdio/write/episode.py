@@ -4,9 +4,6 @@
 cameras). One time code is one second: the time code of a sample equals its time stamp, bit for bit.
 """
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import math

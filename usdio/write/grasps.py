@@ -4,9 +4,6 @@ SimReady's benchmark requires the Xform and `points` of a child; its static rule
 MuJoCo rejects files with curves, so a variant set decides: `grasp_lines` is `points` unless `curves` is selected.
 """
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pathlib import Path

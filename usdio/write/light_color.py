@@ -1,8 +1,5 @@
 """Linear RGB factor of a sampled lighting on the default lamp and dome of a stage."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pxr import UsdLux

@@ -3,9 +3,6 @@
 Specification: openusd.org/release/spec_usdpreviewsurface.html.
 """
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import math

@@ -1,8 +1,5 @@
 """Authors the visible meshes of a package: topology, normals, UV sets, colours, material binding, part subsets."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Sequence

@@ -1,8 +1,5 @@
 """Writes one released package from `PackageContent`: main USD file, payload layers, textures, thumbnail."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import os

@@ -1,8 +1,5 @@
 """Authors body, mass, colliders and contact materials of a package (UsdPhysics)."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Sequence

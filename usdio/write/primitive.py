@@ -1,8 +1,5 @@
 """Authors an inline primitive of a scene (box, cylinder, sphere); one prim is both visual and collider."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import numpy as np

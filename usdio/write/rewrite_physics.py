@@ -1,8 +1,5 @@
 """Replaces mass properties and contact materials of a package on disk; all other files keep their bytes."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pathlib import Path

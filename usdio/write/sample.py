@@ -1,8 +1,5 @@
 """Writes one sample of a plan as a USD layer over a compiled scene: only the opinions that differ."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import math

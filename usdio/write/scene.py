@@ -4,9 +4,6 @@ Packages are copied, not referenced in the library: ingest replaces packages in 
 change afterwards; a self-contained folder also opens on any machine.
 """
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import shutil

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias
 
 import numpy as np
-from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]  # lxml ships no type stubs
+from lxml import etree
 
 from assetkit.readers.common.corners import Notes, repaired
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding

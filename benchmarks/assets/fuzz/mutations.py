@@ -13,9 +13,9 @@ from copy import deepcopy
 from random import Random
 from typing import Any
 
-from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
+from lxml import etree
 
-from schemas.zip_damage import ZIP_DAMAGE
+from schemas.files.zip_damage import ZIP_DAMAGE
 
 Mutation = Callable[[Random, bytes], bytes]
 

@@ -160,7 +160,7 @@ def ending(cost: Cost, folder: Path) -> str:
     return (lines[-1] if lines else f"exit {cost.returncode}").replace(f"{folder}/", "")[:100]
 
 
-def figures(cost: Cost, near: Likeness) -> tuple[float, ...]:
+def figures(cost: Cost, near: Likeness) -> tuple[float, float, int, int, int, float, float, float]:
     memory = (round(cost.process_mb), round(cost.together_mb))
     distances = (round(near.p95, 3), round(near.mean, 3), round(near.largest, 3))
     return (round(cost.cpu_s, 2), round(cost.wall_s, 2), *memory, near.hulls, *distances)

@@ -39,7 +39,7 @@ class Likeness:
 
 def source_mesh(obj_file: Path) -> tuple[FloatArray, IntArray]:
     """Points (n, 3) and triangles (m, 3) of all parts of an OBJ file, as trimesh reads it."""
-    mesh = trimesh.load(obj_file, force="mesh", process=False)
+    mesh = trimesh.load_mesh(obj_file, process=False)
     return np.asarray(mesh.vertices, dtype=np.float64), np.asarray(mesh.faces, dtype=np.int32)
 
 

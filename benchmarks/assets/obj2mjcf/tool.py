@@ -36,4 +36,4 @@ def convert(python: Path, obj_file: Path, cpu_limit_s: int) -> Cost:
 def hulls(obj_file: Path) -> list[FloatArray]:
     """Corner points (n, 3) of each convex part in source units; empty when there are none."""
     files = sorted(obj_file.with_suffix("").glob(f"{obj_file.stem}_collision_*.obj"))
-    return [trimesh.load(f, force="mesh", process=False).vertices for f in files]
+    return [trimesh.load_mesh(f, process=False).vertices for f in files]

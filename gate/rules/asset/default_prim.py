@@ -1,8 +1,5 @@
 """Rule: one root prim, which is the default prim, a component and transformable."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

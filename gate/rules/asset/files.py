@@ -1,8 +1,5 @@
 """Rule: every file that the asset refers to exists."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,8 +1,5 @@
 """Rule: the asset is self-contained: relative paths that stay in the package."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import re

@@ -1,8 +1,5 @@
 """Rule: a package has no physics scene; gravity elsewhere has a possible magnitude and points down."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,8 +1,5 @@
 """Rule: the USD agrees with its record.json on size, category, mass properties and contact."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,8 +1,5 @@
 """Rule: a token attribute holds one of the tokens that its schema allows."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

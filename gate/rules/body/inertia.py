@@ -1,8 +1,5 @@
 """Rule: the principal moments are those of a possible mass distribution (triangle inequality)."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,8 +1,5 @@
 """Rule: every body has a positive, finite mass."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,8 +1,5 @@
 """Rule: mass is stated once, on the body alone."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,8 +1,5 @@
 """Rule: colliders have shapes that engines support without change."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

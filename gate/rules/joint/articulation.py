@@ -1,8 +1,5 @@
 """Rule: the links of an articulation form one tree."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,8 +1,5 @@
 """Rule: material bindings lead to materials."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

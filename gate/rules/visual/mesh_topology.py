@@ -1,8 +1,5 @@
 """Rule: faces refer to points that exist, and every attribute has a value for each."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

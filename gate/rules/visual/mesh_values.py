@@ -1,8 +1,5 @@
 """Rule: points, normals and texture coordinates are finite."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,8 +1,5 @@
 """Rule: normals agree with the winding of the faces and have length 1."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

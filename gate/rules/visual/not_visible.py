@@ -1,8 +1,5 @@
 """Rule: the asset and each of its bodies have a visible mesh."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,8 +1,5 @@
 """Rule: shader networks are complete: surface output, shader ids, connections."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

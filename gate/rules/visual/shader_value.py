@@ -1,8 +1,5 @@
 """Rule: shader inputs lie in the range their shader is defined for."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import csv

@@ -1,8 +1,5 @@
 """Rule: a textured mesh has the texture coordinates its material reads."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

@@ -1,8 +1,5 @@
 """Rule: texture files are readable PNG or JPEG images of a supported size."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

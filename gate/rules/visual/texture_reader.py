@@ -1,8 +1,5 @@
 """Rule: textures are read in the colour space, and unpacked with the scale, that their use requires."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from collections.abc import Iterator

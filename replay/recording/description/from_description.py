@@ -13,15 +13,16 @@ import numpy as np
 from pydantic import ValidationError
 
 from geom.pose import apply, pose_from_quat
-from replay.recording.description.urdf import read_urdf
+from replay.recording.description.robot_links import read_robot_links
 from replay.recording.episode import Camera, Episode, Fixture, FreeBody, Robot
 from replay.recording.files.archives import read_arrays
 from replay.recording.files.tables import Columns, column_poses
 from replay.recording.kinematics import link_poses
+from replay.recording.mjcf.bodies import RecordedBodies, is_free
 from replay.recording.mjcf.episode_parts import episode_parts, trees
 from replay.recording.mjcf.meshes import MeshFiles
-from replay.recording.mjcf.read import read_mjcf
 from replay.recording.recorded_numbers import RecordedStates, checked_numbers, checked_stamps, invalid_recording
+from replay.recording.robot_files import recorded_mjcf
 from replay.recording.shapes import hull, locate_mesh, mesh_points
 from schemas.arrays import FloatArray
 from schemas.episode import EpisodeDescription, MeshShape, Posed, RobotEntry, RoundShape, Shape, SphereShape
@@ -91,7 +92,7 @@ class DescribedRecording:
         path = self.folder / entry.model
         if path.suffix.lower() in (".xml", ".mjcf"):
             return self._robot_of_mjcf(entry, path, X_WR)
-        model = read_urdf(
+        model = read_robot_links(
             path, self.folder, self.meshes, lambda joint: self._stream("q", entry.name, joint) is not None
         )
         q = np.stack([self._position(entry, joint) for joint in model.coordinates] or [np.zeros(n)], axis=1)
@@ -115,19 +116,21 @@ class DescribedRecording:
 
     def _robot_of_mjcf(self, entry: RobotEntry, path: Path, X_WR: FloatArray) -> Robot:
         """The one tree with joints of a MuJoCo file, its root where the file has it in the frame of the base."""
-        model = read_mjcf(path, self.folder)
-        moving = [t for t in trees(model) if any(j.kind != "free" for b in t for j in model.bodies[b].joints)]
+        model = RecordedBodies(recorded_mjcf(path, self.folder))
+        moving = [t for t in trees(model) if any(not is_free(j) for b in t for j in model.joints[b])]
         if len(moving) != 1:
             raise invalid_recording(
                 "replay/invalid-value", f"{len(moving)} trees with joints in '{path.name}', not one", path.name
             )
-        joints = [j.name for b in moving[0] for j in model.bodies[b].joints if j.kind != "free"]
+        joints = [j.name for b in moving[0] for j in model.joints[b] if not is_free(j)]
         rates = {joint: rate for joint in joints if (rate := self._rate(entry, joint)) is not None}
-        root = model.bodies[moving[0][0]]
-        recorded = RecordedStates(self.t_s, {j: self._position(entry, j) for j in joints}, rates, {root.name: X_WR})
-        robots, _, _ = episode_parts(model, recorded, MeshFiles(model, path.parent, self.meshes).points)
-        free = any(joint.kind == "free" for joint in root.joints)
-        return replace(robots[0], name=entry.name, X_WR=X_WR if free else X_WR @ root.X_PB)
+        root = moving[0][0]
+        recorded = RecordedStates(
+            self.t_s, {j: self._position(entry, j) for j in joints}, rates, {model.links[root].name: X_WR}
+        )
+        robots, _, _ = episode_parts(model, recorded, MeshFiles(model, self.folder, self.meshes).points)
+        free = any(is_free(joint) for joint in model.joints[root])
+        return replace(robots[0], name=entry.name, X_WR=X_WR if free else X_WR @ model.X_PB[root])
 
     def _shape(self, shape: Shape, body: str) -> CollisionShape:
         X = _pose(shape, self.file)

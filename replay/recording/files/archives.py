@@ -10,7 +10,7 @@ import numpy as np
 
 from replay.recording.recorded_numbers import invalid_recording
 from schemas.arrays import FloatArray
-from schemas.zip_damage import ZIP_DAMAGE
+from schemas.files.zip_damage import ZIP_DAMAGE
 
 MAX_ENTRIES, MAX_UNPACKED_BYTES = 20_000, 2**30
 

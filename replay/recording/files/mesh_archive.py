@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from replay.recording.files.archives import read_arrays
-from replay.recording.mjcf.read import MjBody, MjGeom
 from replay.recording.recorded_numbers import checked_numbers, invalid_recording
 from schemas.arrays import FloatArray
+from schemas.robot_description import DescribedLink, DescribedShape
 
 MESHES = "meshes_body_frame.npz"
 
@@ -28,9 +28,9 @@ class MeshArchive:
         archives = [folder / MESHES for folder in (file.parent, file.parent.parent) if (folder / MESHES).is_file()]
         return cls(archives[0]) if archives else None
 
-    def points(self, body: MjBody, geom: MjGeom) -> FloatArray:
+    def points(self, body: DescribedLink, geom: DescribedShape, number: int) -> FloatArray:
         """Vertices (n, 3) in the frame of the body. Raises InvalidInput where there are none."""
-        name = geom.name or f"geom{geom.number}"
+        name = geom.name or f"geom{number}"
         corners = self.by_key.get(f"{body.name}|{name}")
         if corners is None:
             raise invalid_recording("replay/missing-mesh", f"no mesh of geom '{name}' of body '{body.name}'", MESHES)

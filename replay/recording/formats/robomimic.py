@@ -14,12 +14,12 @@ import numpy as np
 from replay.recording.episode import Episode
 from replay.recording.files.hdf5 import child, numbered, open_hdf5, text, values
 from replay.recording.files.mesh_archive import MeshArchive
+from replay.recording.mjcf.bodies import RecordedBodies, is_free
 from replay.recording.mjcf.cameras import model_cameras
 from replay.recording.mjcf.episode_parts import episode_parts, uncovered_links
 from replay.recording.mjcf.meshes import MeshFiles
-from replay.recording.mjcf.read import MjModel, model_of, read_mjcf
-from replay.recording.mjcf.text import mjcf_of_text
 from replay.recording.recorded_numbers import RecordedStates, checked_numbers, checked_stamps, invalid_recording, poses
+from replay.recording.robot_files import recorded_mjcf, recorded_mjcf_text
 from schemas.arrays import FloatArray
 
 PICTURE_PX = (256, 256)
@@ -48,17 +48,17 @@ def read_robomimic(path: Path, meshes: Path | None = None) -> tuple[Episode, ...
     return tuple(episodes)
 
 
-def _model(text: str, path: Path) -> MjModel:
+def _model(text: str, path: Path) -> RecordedBodies:
     if not text:
         raise invalid_recording(
             "replay/missing-file", "no demonstration model: attribute 'model_file' is absent", path.name
         )
     if not text.lstrip().startswith("<"):
-        return read_mjcf(path.parent / text, path.parent)
-    return model_of(mjcf_of_text(text.encode(), path), path.name)
+        return RecordedBodies(recorded_mjcf(path.parent / text, path.parent))
+    return RecordedBodies(recorded_mjcf_text(text.encode(), path))
 
 
-def _episode(path: Path, demo: str, model: MjModel, states: FloatArray, meshes: Path | None) -> Episode:
+def _episode(path: Path, demo: str, model: RecordedBodies, states: FloatArray, meshes: Path | None) -> Episode:
     recorded = recorded_states(model, states, path.name)
     archive = MeshArchive.beside(path)
     points = archive.points if archive else MeshFiles(model, path.parent, meshes).points
@@ -76,10 +76,10 @@ def raw_states(path: Path) -> list[FloatArray]:
         return [values(child(data, name, path.name), "states", path.name) for name in names]
 
 
-def recorded_states(model: MjModel, states: FloatArray, file: str) -> RecordedStates:
+def recorded_states(model: RecordedBodies, states: FloatArray, file: str) -> RecordedStates:
     """Rows [time, qpos, qvel] (n, 1 + nq + nv) taken apart joint by joint. Raises InvalidInput."""
-    joints = [(body, joint) for body in model.bodies for joint in body.joints]
-    free = sum(joint.kind == "free" for _, joint in joints)
+    joints = [joint for of_body in model.joints for joint in of_body]
+    free = sum(is_free(joint) for joint in joints)
     nq, nv = len(joints) + 6 * free, len(joints) + 5 * free
     if states.ndim != 2 or states.shape[1] != 1 + nq + nv:
         message = (
@@ -90,11 +90,11 @@ def recorded_states(model: MjModel, states: FloatArray, file: str) -> RecordedSt
     states = checked_numbers(states, "states", file)
     q, qd, X_WB = {}, {}, {}
     at_q, at_v = 1, 1 + nq
-    for body, joint in joints:
-        if joint.kind == "free":
+    for joint in joints:
+        if is_free(joint):
             row = states[:, at_q : at_q + 7]
-            X_WB[body.name] = poses(row[:, :3], np.roll(row[:, 3:], -1, axis=1), body.name, file)
+            X_WB[joint.child] = poses(row[:, :3], np.roll(row[:, 3:], -1, axis=1), joint.child, file)
         else:
             q[joint.name], qd[joint.name] = states[:, at_q], states[:, at_v]
-        at_q, at_v = (at_q + 7, at_v + 6) if joint.kind == "free" else (at_q + 1, at_v + 1)
+        at_q, at_v = (at_q + 7, at_v + 6) if is_free(joint) else (at_q + 1, at_v + 1)
     return RecordedStates(t_s, q, qd, X_WB)

@@ -16,9 +16,10 @@ from replay.recording.episode import Camera, Episode
 from replay.recording.files.mesh_archive import MESHES, MeshArchive
 from replay.recording.files.tables import column_poses, read_columns
 from replay.recording.formats.robomimic import raw_states, recorded_states
+from replay.recording.mjcf.bodies import RecordedBodies, is_free
 from replay.recording.mjcf.episode_parts import episode_parts, uncovered_links
-from replay.recording.mjcf.read import MjModel, read_mjcf
 from replay.recording.recorded_numbers import RecordedStates, checked_numbers, checked_stamps, invalid_recording, poses
+from replay.recording.robot_files import recorded_mjcf
 
 TABLE, SCENE, CAMERAS = "episode.parquet", "scene.json", "camera_moving.parquet"
 
@@ -44,17 +45,17 @@ def read_staged_folder(path: Path) -> Episode:
     files = sorted((path / "raw").glob("*.xml"))
     if len(files) != 1:
         raise invalid_recording("replay/missing-file", f"{len(files)} model files in raw/, not one", "raw")
-    model = read_mjcf(files[0], path)
+    model = RecordedBodies(recorded_mjcf(files[0], path))
     recorded = _completed(recorded, model, path)
     robots, objects, fixtures = episode_parts(model, recorded, MeshArchive(path / MESHES).points)
     notes = uncovered_links(model, robots)
     return Episode(path.name, path, t_s, robots, objects, fixtures, _cameras(path, len(t_s)), notes=notes)
 
 
-def _completed(recorded: RecordedStates, model: MjModel, path: Path) -> RecordedStates:
+def _completed(recorded: RecordedStates, model: RecordedBodies, path: Path) -> RecordedStates:
     """Joints and bodies that the table leaves out (doors, say), from the states in `raw/` with the very same stamps."""
-    joints = {joint.name for body in model.bodies for joint in body.joints if joint.kind != "free"}
-    bodies = {body.name for body in model.bodies if any(joint.kind == "free" for joint in body.joints)}
+    joints = {joint.name for of_body in model.joints for joint in of_body if not is_free(joint)}
+    bodies = {joint.child for of_body in model.joints for joint in of_body if is_free(joint)}
     if joints <= recorded.q.keys() and bodies <= recorded.X_WB.keys():
         return recorded
     for file in sorted((path / "raw").glob("*.hdf5")):

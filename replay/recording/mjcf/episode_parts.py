@@ -7,28 +7,32 @@ body with a free joint alone is an object; all else is a fixture. MuJoCo collide
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from geom.pose import pose
 from replay.recording.episode import Fixture, FreeBody, Link, Robot
-from replay.recording.mjcf.read import MjBody, MjGeom, MjModel
+from replay.recording.mjcf.bodies import RecordedBodies, is_free
 from replay.recording.recorded_numbers import RecordedStates, invalid_recording
+from replay.recording.robot_files import as_recording_finding
 from replay.recording.shapes import ellipsoid, hull, plane
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 from schemas.physics import CollisionShape
+from schemas.robot_description import DescribedLink, DescribedShape
 
-MeshPoints = Callable[[MjBody, MjGeom], FloatArray]  # Vertices (n, 3) in the frame of the body.
+# Vertices (n, 3) in the frame of a body of one of its geoms with its number in the model.
+MeshPoints = Callable[[DescribedLink, DescribedShape, int], FloatArray]
 Parts = tuple[tuple[Robot, ...], tuple[FreeBody, ...], tuple[Fixture, ...]]
 
 
-def episode_parts(model: MjModel, recorded: RecordedStates, mesh_points: MeshPoints) -> Parts:
+def episode_parts(model: RecordedBodies, recorded: RecordedStates, mesh_points: MeshPoints) -> Parts:
     """Robots, objects and fixtures. Raises InvalidInput where a joint has no recorded state or a geom no shape."""
     robots, objects, fixtures = [], [], []
     for tree in trees(model):
-        joints = [j for b in tree for j in model.bodies[b].joints]
-        if any(j.kind != "free" for j in joints):
+        joints = [j for b in tree for j in model.joints[b]]
+        if any(not is_free(j) for j in joints):
             robots.append(_robot(model, tree, recorded, mesh_points))
         elif joints:
             objects.append(_object(model, tree, recorded, mesh_points))
@@ -37,39 +41,39 @@ def episode_parts(model: MjModel, recorded: RecordedStates, mesh_points: MeshPoi
     return tuple(robots), tuple(objects), tuple(fixtures)
 
 
-def trees(model: MjModel) -> list[list[int]]:
+def trees(model: RecordedBodies) -> list[list[int]]:
     """Numbers of the bodies of each tree under the world, in the order of the model; the world is a tree of its own."""
     root = [0]
-    for number, body in enumerate(model.bodies[1:], 1):
-        root.append(number if body.parent == 0 else root[body.parent])
+    for number, parent in enumerate(model.parent[1:], 1):
+        root.append(number if parent == 0 else root[parent])
     return [[n for n, r in enumerate(root) if r == tree] for tree in dict.fromkeys(root)]
 
 
-def _robot(model: MjModel, tree: list[int], recorded: RecordedStates, mesh_points: MeshPoints) -> Robot:
-    root = model.bodies[tree[0]]
+def _robot(model: RecordedBodies, tree: list[int], recorded: RecordedStates, mesh_points: MeshPoints) -> Robot:
+    root = model.links[tree[0]]
     for number in tree[1:]:
-        if any(j.kind == "free" for j in model.bodies[number].joints):
+        if any(is_free(j) for j in model.joints[number]):
             raise invalid_recording("replay/unsupported-model", f"free joint below '{root.name}'", model.file)
     links: list[Link] = []
     coordinates: list[str] = []
     last: dict[int, int] = {}  # The link whose frame is that of a body.
     moving: set[int] = set()
     for number in tree:
-        body = model.bodies[number]
-        X = np.eye(4) if number == tree[0] else body.X_PB
-        parent = -1 if number == tree[0] else last[body.parent]
-        if body.joints or body.parent in moving:
+        body = model.links[number]
+        X = np.eye(4) if number == tree[0] else model.X_PB[number]
+        parent = -1 if number == tree[0] else last[model.parent[number]]
+        if model.joints[number] or model.parent[number] in moving:
             moving.add(number)
-        hinges = [j for j in body.joints if j.kind != "free"]
+        hinges = [j for j in model.joints[number] if not is_free(j)]
         for index, joint in enumerate(hinges):
-            kind = "revolute" if joint.kind == "hinge" else "prismatic"
-            at_anchor = joint.kind == "hinge" and bool(np.abs(joint.anchor_B).max() > 0.0)
-            X = X @ pose(None, joint.anchor_B) if at_anchor else X
+            kind = "prismatic" if joint.kind == "prismatic" else "revolute"
+            at_anchor = kind == "revolute" and bool(np.abs(joint.anchor_C).max() > 0.0)
+            X = X @ pose(None, joint.anchor_C) if at_anchor else X
             is_body = index == len(hinges) - 1 and not at_anchor
             name = body.name if is_body else f"{body.name}/{joint.name}"
             coordinates.append(joint.name)
-            links.append(Link(name, parent, kind, joint.axis_B, X, len(coordinates) - 1, 1.0, -joint.reference))
-            parent, X = len(links) - 1, pose(None, -joint.anchor_B) if at_anchor else np.eye(4)
+            links.append(Link(name, parent, kind, joint.axis_C, X, len(coordinates) - 1, 1.0, -joint.reference))
+            parent, X = len(links) - 1, pose(None, -joint.anchor_C) if at_anchor else np.eye(4)
         shapes = tuple(s for _, s in body_shapes(model, number, mesh_points, moves=number in moving))
         if hinges and links[-1].name == body.name:
             links[-1] = _with_shapes(links[-1], shapes)
@@ -77,8 +81,8 @@ def _robot(model: MjModel, tree: list[int], recorded: RecordedStates, mesh_point
             links.append(Link(body.name, parent, "fixed", np.array([0.0, 0.0, 1.0]), X, shapes=shapes))
         last[number] = len(links) - 1
     n = len(recorded.t_s)
-    base = np.tile(root.X_PB, (n, 1, 1))
-    if any(j.kind == "free" for j in root.joints):
+    base = np.tile(model.X_PB[tree[0]], (n, 1, 1))
+    if any(is_free(j) for j in model.joints[tree[0]]):
         base = _pose_of(recorded, root.name, model.file)
     q = _columns(recorded, coordinates, model.file)
     rates = all(name in recorded.qd for name in coordinates)
@@ -103,11 +107,11 @@ def _pose_of(recorded: RecordedStates, name: str, file: str) -> FloatArray:
     return recorded.X_WB[name]
 
 
-def _object(model: MjModel, tree: list[int], recorded: RecordedStates, mesh_points: MeshPoints) -> FreeBody:
-    root = model.bodies[tree[0]]
+def _object(model: RecordedBodies, tree: list[int], recorded: RecordedStates, mesh_points: MeshPoints) -> FreeBody:
+    root = model.links[tree[0]]
     X_RB = {tree[0]: np.eye(4)}
     for number in tree[1:]:
-        X_RB[number] = X_RB[model.bodies[number].parent] @ model.bodies[number].X_PB
+        X_RB[number] = X_RB[model.parent[number]] @ model.X_PB[number]
     body_parts = [(number, s) for number in tree for _, s in body_shapes(model, number, mesh_points, moves=False)]
     if not body_parts:  # Only pictures: they are what there is.
         body_parts = [(number, s) for number in tree for _, s in body_shapes(model, number, mesh_points, moves=True)]
@@ -118,38 +122,40 @@ def _object(model: MjModel, tree: list[int], recorded: RecordedStates, mesh_poin
     )
 
 
-def _fixture(model: MjModel, number: int, mesh_points: MeshPoints) -> Fixture | None:
+def _fixture(model: RecordedBodies, number: int, mesh_points: MeshPoints) -> Fixture | None:
     """A body that never moves; None without a shape that collides."""
     shapes = body_shapes(model, number, mesh_points, moves=False)
     X_WB, at = np.eye(4), number
     while at > 0:
-        X_WB, at = model.bodies[at].X_PB @ X_WB, model.bodies[at].parent
+        X_WB, at = model.X_PB[at] @ X_WB, model.parent[at]
     names = tuple(name for name, _ in shapes)
-    return Fixture(model.bodies[number].name, X_WB, tuple(s for _, s in shapes), names) if shapes else None
+    return Fixture(model.links[number].name, X_WB, tuple(s for _, s in shapes), names) if shapes else None
 
 
 def body_shapes(
-    model: MjModel, number: int, mesh_points: MeshPoints, *, moves: bool
+    model: RecordedBodies, number: int, mesh_points: MeshPoints, *, moves: bool
 ) -> list[tuple[str, CollisionShape]]:
     """Shapes of what collides, with their names; of all geoms where nothing collides and the body `moves`."""
-    body = model.bodies[number]
-    pictures = moves and not any(g.collides for g in body.geoms)
-    unnamed = sum(not g.name for g in body.geoms)
+    body = model.links[number]
+    pictures = moves and not any(g.collides for g in body.shapes)
+    unnamed = sum(not g.name for g in body.shapes)
     named_shapes = []
-    for index, geom in enumerate(body.geoms):
-        if (geom.collides or pictures) and geom.kind != "none":
+    for index, geom in enumerate(body.shapes):
+        unread = geom.problem is not None and geom.problem.code == "robot/unsupported-shape"
+        if geom.collides or (pictures and not unread):
             name = geom.name or (body.name if unnamed == 1 else f"{body.name}_{index}")
             try:
-                named_shapes.append((name, _shape(model, body, geom, mesh_points)))
+                points = partial(mesh_points, body, geom, model.first_geom[number] + index)
+                named_shapes.append((name, _shape(geom, geom.name or body.name, points, model.file)))
             except InvalidInput as refused:
                 if geom.collides or refused.diagnostic.code != "replay/missing-mesh":
                     raise
     return named_shapes
 
 
-def uncovered_links(model: MjModel, robots: tuple[Robot, ...]) -> tuple[Diagnostic, ...]:
+def uncovered_links(model: RecordedBodies, robots: tuple[Robot, ...]) -> tuple[Diagnostic, ...]:
     """A warning for each body that moves and has geoms, but none with a shape at hand."""
-    drawn = {body.name for body in model.bodies if body.geoms}
+    drawn = {link.name for link in model.links if link.shapes}
     bare = [link.name for robot in robots for link in robot.links if link.name in drawn and not link.shapes]
     moving = {link.name for robot in robots for link in robot.links if _moves(robot, link)}
     return tuple(
@@ -167,25 +173,17 @@ def _moves(robot: Robot, link: Link) -> bool:
     return link.kind != "fixed"
 
 
-def _shape(model: MjModel, body: MjBody, geom: MjGeom, mesh_points: MeshPoints) -> CollisionShape:
-    """One geom in the frame of its body; MuJoCo's half lengths doubled."""
-    needed = {"plane": 2, "sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}.get(geom.kind, 0)
-    size = geom.size_m
-    if len(size) < needed or (geom.kind != "plane" and min(size[:needed], default=1.0) <= 0.0):
-        raise invalid_recording(
-            "replay/invalid-value", f"geom '{geom.name}' of body '{body.name}' has size {size}", model.file
-        )
+def _shape(geom: DescribedShape, name: str, mesh_points: Callable[[], FloatArray], file: str) -> CollisionShape:
+    """One geom in the frame of its body. Raises InvalidInput for a geom that cannot be used."""
+    if geom.problem is not None:
+        raise InvalidInput(as_recording_finding(geom.problem))
     if geom.kind == "mesh":
-        return hull(mesh_points(body, geom), geom.name or body.name, model.file)
+        return hull(mesh_points(), name, file)
     if geom.kind == "plane":
-        return plane(size, geom.X_BG)
+        return plane(geom.size_m, geom.X_LS)
     if geom.kind == "ellipsoid":
-        return ellipsoid(size, geom.X_BG)
-    if geom.kind == "sphere":
-        return CollisionShape("sphere", (size[0],), geom.X_BG)
-    if geom.kind == "box":
-        return CollisionShape("box", tuple(2.0 * s for s in size[:3]), geom.X_BG)
-    return CollisionShape(geom.kind, (size[0], 2.0 * size[1]), geom.X_BG)  # pyright: ignore[reportArgumentType]
+        return ellipsoid(geom.size_m, geom.X_LS)
+    return CollisionShape(geom.kind, geom.size_m, geom.X_LS)  # pyright: ignore[reportArgumentType]
 
 
 def transformed(shape: CollisionShape, X: FloatArray) -> CollisionShape:

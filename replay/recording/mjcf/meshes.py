@@ -1,32 +1,28 @@
-"""Vertices (m, body frame) of the mesh files that a MuJoCo model names."""
+"""Vertices (m, body frame) of the meshes that a MuJoCo model names or holds."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from geom.pose import apply
-from replay.recording.mjcf.read import MjBody, MjGeom, MjModel
-from replay.recording.recorded_numbers import invalid_recording
-from replay.recording.shapes import locate_mesh, mesh_points
+from replay.recording.mjcf.bodies import RecordedBodies
+from replay.recording.shapes import described_mesh
 from schemas.arrays import FloatArray
+from schemas.robot_description import DescribedLink, DescribedShape
 
 
 class MeshFiles:
-    """Vertices from files below `folder`, else from the folder `meshes` that the user names; each file is read once."""
+    """Vertices from files below `root`, else from the folder `meshes` that the user names; each file is read once."""
 
-    def __init__(self, model: MjModel, folder: Path, meshes: Path | None) -> None:
-        self.model, self.folder, self.meshes = model, folder, meshes
+    def __init__(self, model: RecordedBodies, root: Path, meshes: Path | None) -> None:
+        self.file, self.root, self.meshes = model.file, root, meshes
         self.read: dict[str, FloatArray] = {}
 
-    def points(self, body: MjBody, geom: MjGeom) -> FloatArray:
+    def points(self, body: DescribedLink, geom: DescribedShape, number: int) -> FloatArray:
         """Vertices (n, 3) in the frame of the body. Raises InvalidInput."""
-        if geom.mesh not in self.read:
-            if geom.mesh not in self.model.meshes:
-                message = f"geom '{geom.name}' of body '{body.name}' names the unknown mesh '{geom.mesh}'"
-                raise invalid_recording("replay/invalid-value", message, self.model.file)
-            mesh = self.model.meshes[geom.mesh]
-            absolute = mesh.file.startswith("/") or ":" in mesh.file[:2]
-            name = f"{mesh.folder}/{mesh.file}" if mesh.folder and not absolute else mesh.file
-            path = locate_mesh(name, self.folder, self.meshes, self.model.file)
-            self.read[geom.mesh] = mesh_points(path, mesh.scale, self.model.file)
-        return apply(geom.X_BG, self.read[geom.mesh])
+        mesh = geom.mesh
+        if mesh is None:
+            raise ValueError(f"geom {number} of body '{body.name}' is no mesh")
+        if mesh.name not in self.read:
+            self.read[mesh.name] = described_mesh(mesh, self.root, self.meshes, self.file)
+        return apply(geom.X_LS, self.read[mesh.name])

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import ReachIR
 from scenec.plan.cases.apart import clashes
 from scenec.plan.cases.clip_cells import Freedom, clip_cells, freedom_of
 from scenec.plan.cases.grow_cells import grow_cells
 from scenec.plan.cases.pool_model import GRAIN_M, Layouts, Member, PoolModel
 from scenec.plan.cases.yaws import fitting, intervals
 from schemas.arrays import BoolArray, FloatArray, IntArray
+from schemas.scene.geometry import ReachRing
 from schemas.scene.runtime_plan import Bounds_um, Interval_urad, PlanCase
 
 SPARE_M = 3 * GRAIN_M  # margin around pinned footprints, so that rounding never empties their cells
@@ -34,7 +34,7 @@ def cases_of(
     pool: PoolModel,
     layouts: Layouts,
     rng: Generator,
-    reach: ReachIR | None = None,
+    reach: ReachRing | None = None,
     base_P_m: FloatArray | None = None,
     sure: int = 0,
 ) -> list[PlanCase]:

@@ -13,14 +13,11 @@ from functools import partial
 
 import numpy as np
 
-from geom.planar import inner_radius
-from scenec.ir.problem import ReachIR, RelationIR
-from scenec.plan.cases.batch_relations import axis_of, wrapped_all
-from scenec.plan.cases.pool_model import Layouts, PoolModel
-from scenec.plan.cases.rejection import front_of
-from scenec.solve.planar import polygon
-from scenec.solve.shapes import Shape
+from scenec.plan.cases.motions import ROUND_M, ROUNDING, Motions, RelativePoses, unevenness
+from scenec.plan.cases.pool_model import Layouts, PoolModel, floor_of
+from scenec.relations.table import RELATIONS
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import ReachRing, SceneRelation
 
 CLIP_STEPS_M = (
     np.inf,
@@ -42,8 +39,6 @@ CLIP_STEPS_M = (
     0.001,
     0.0,
 )
-ROUND_M = 1e-3  # footprints with a boundary in a ring narrower than this may turn freely
-ROUNDING = 2e-6  # of values in plans, metres and radians
 
 
 @dataclass
@@ -95,7 +90,7 @@ def freedom_of(pool: PoolModel, layouts: Layouts, rect_m: FloatArray, free: Bool
 
 
 def clip_cells(
-    pool: PoolModel, layouts: Layouts, freedom: Freedom, reach: ReachIR | None, base_P_m: FloatArray
+    pool: PoolModel, layouts: Layouts, freedom: Freedom, reach: ReachRing | None, base_P_m: FloatArray
 ) -> BoolArray:
     """Shortens steps until every relation and the reach (base (2,) in P) hold for all remaining poses.
 
@@ -103,13 +98,14 @@ def clip_cells(
     """
     is_kept = np.ones(len(layouts), dtype=bool)
     for rule in pool.rules:
-        numbers = [pool.index[name] for name in rule.things]
-        if rule.kind == "far_from" or (rule.kind == "before" and axis_of(rule.direction) is not None):
-            continue  # guaranteed by the rectangles
-        seed = _measure(pool, rule, layouts, numbers)
-        spins = [i for i in numbers if _turns_matter(pool, rule, i)]
-        test = partial(_holds, pool, rule, layouts, freedom, numbers, seed)
-        is_kept &= _lower(freedom, numbers, _axes(rule), spins, test)
+        meaning, numbers = RELATIONS[rule.kind], [pool.index[name] for name in rule.things]
+        if meaning.kept_by_rectangles(rule):
+            continue
+        uneven = [max(map(unevenness, pool.members[i].shapes)) > ROUND_M for i in numbers]
+        spins = [i for k, i in enumerate(numbers) if meaning.turns_matter(rule, k, uneven[k])]
+        value = meaning.value(rule, _motions(pool, layouts, freedom, numbers))
+        test = partial(_holds, pool, rule, layouts, freedom, numbers, value)
+        is_kept &= _lower(freedom, numbers, meaning.clip_axes(rule), spins, test)
     if reach is not None:
         for name in reach.members:
             if name in pool.index:
@@ -118,21 +114,6 @@ def clip_cells(
                     freedom, [i], slice(None), [], partial(_reached, layouts, freedom, i, reach, base_P_m)
                 )
     return is_kept
-
-
-def _turns_matter(pool: PoolModel, rule: RelationIR, i: int) -> bool:
-    # Whether a relation may be violated by a thing that turns about its origin.
-    if rule.kind == "facing":
-        return pool.index[rule.things[0]] == i
-    return rule.kind in ("near", "before") and max(map(unevenness, pool.members[i].shapes)) > ROUND_M
-
-
-def _axes(rule: RelationIR) -> slice:
-    # The axes along which steps matter: only that across for `aligned` along an axis.
-    along = axis_of(rule.direction)
-    if rule.kind != "aligned" or along is None:
-        return slice(None)
-    return slice(1 - along, 2 - along)
 
 
 def _lower(
@@ -168,93 +149,26 @@ def shift_of(pool: PoolModel, layouts: Layouts, freedom: Freedom, i: int) -> tup
     return origin, origin + np.minimum(2.0 * freedom.radius_m[:, i] * np.sin(turn / 2.0), uneven)
 
 
-def unevenness(shape: Shape) -> float:
-    """Width of the ring about the origin that contains the boundary of a footprint: its change by any turn."""
-    if len(shape.pieces) > 1:
-        return np.inf
-    inner = inner_radius(shape.hull)
-    return shape.radius_m - inner if inner > 0.0 else np.inf
-
-
-def _measure(pool: PoolModel, rule: RelationIR, layouts: Layouts, numbers: list[int]) -> FloatArray:
-    # Value of a relation at the seed poses, (l,): distance of footprints, or the gap before the second begins.
-    if rule.kind == "near":
-        return np.array([_apart(pool, layouts, k, *numbers) for k in range(len(layouts))])
-    if rule.kind == "before":
-        d = np.asarray(rule.direction)
-        ends = [[(_hull(pool, layouts, k, i) @ d) for i in numbers] for k in range(len(layouts))]
-        return np.array([float(two.min() - one.max()) for one, two in ends])
-    return np.zeros(len(layouts))
-
-
-def _hull(pool: PoolModel, layouts: Layouts, k: int, i: int) -> FloatArray:
-    member, option = pool.members[i], int(layouts.option[k, i])
-    turned = member.shapes[int(member.stance[option])].turned(float(member.yaw_rad[option]))
-    return turned.hull + layouts.origin_m[k, i]
-
-
-def _apart(pool: PoolModel, layouts: Layouts, k: int, i: int, j: int) -> float:
-    pieces = []
-    for number in (i, j):
-        member, option = pool.members[number], int(layouts.option[k, number])
-        turned = member.shapes[int(member.stance[option])].turned(float(member.yaw_rad[option]))
-        pieces.append([polygon(piece + layouts.origin_m[k, number]) for piece in turned.pieces])
-    return min(one.distance(two) for one in pieces[0] for two in pieces[1])
+def _motions(pool: PoolModel, layouts: Layouts, freedom: Freedom, numbers: list[int]) -> Motions:
+    # The members' poses in P and their freedom as it is now.
+    turns = freedom.clipped_turns().max(axis=2)
+    poses = []
+    for i in numbers:
+        member, option = pool.members[i], layouts.option[:, i]
+        at, yaw, stance = layouts.origin_m[:, i], member.yaw_rad[option], member.stance[option]
+        shifts = shift_of(pool, layouts, freedom, i)
+        poses.append(RelativePoses(at, yaw, stance, floor_of(member, option), *shifts, turns[:, i], member.shapes))
+    boxes = freedom.clipped_boxes(layouts)[:, numbers]
+    return Motions(tuple(poses), np.zeros(len(layouts)), ROUNDING, ROUNDING / 2, boxes)
 
 
 def _holds(
-    pool: PoolModel, rule: RelationIR, layouts: Layouts, freedom: Freedom, numbers: list[int], seed: FloatArray
+    pool: PoolModel, rule: SceneRelation, layouts: Layouts, freedom: Freedom, numbers: list[int], value: FloatArray
 ) -> BoolArray:
-    shifts = [shift_of(pool, layouts, freedom, i) for i in numbers]
-    if rule.kind in ("near", "before"):
-        moved = shifts[0][1] + shifts[1][1] + ROUNDING
-        return seed + moved <= rule.gap_m if rule.kind == "near" else seed - moved >= rule.gap_m
-    boxes = freedom.clipped_boxes(layouts)[:, numbers]
-    if rule.kind == "aligned":
-        dx, dy = rule.direction
-        low = np.minimum(-dy * boxes[..., 0], -dy * boxes[..., 1]) + np.minimum(dx * boxes[..., 2], dx * boxes[..., 3])
-        high = np.maximum(-dy * boxes[..., 0], -dy * boxes[..., 1]) + np.maximum(dx * boxes[..., 2], dx * boxes[..., 3])
-        return high.max(axis=1) - low.min(axis=1) <= rule.tolerance
-    at = layouts.origin_m[:, numbers]
-    origins = [shift[0] + ROUNDING / 2 for shift in shifts]
-    if rule.kind == "facing":
-        turn = freedom.clipped_turns()[:, numbers[0]].max(axis=1)
-        heading = front_of(pool.members[numbers[0]], layouts.option[:, numbers[0]])
-        return facing_kept(at, heading, origins[0] + origins[1], turn, rule.tolerance)
-    return between_kept(at, origins, rule.tolerance)
+    return RELATIONS[rule.kind].holds_throughout(rule, _motions(pool, layouts, freedom, numbers), value)
 
 
-def facing_kept(
-    at_m: FloatArray, heading_rad: FloatArray, moved_m: FloatArray, turn_rad: FloatArray, tolerance_rad: float
-) -> BoolArray:
-    """(l,) whether the first of origins (l, 2, 2) faces the second for all their joint motion and turns of the
-    first."""
-    toward = at_m[:, 1] - at_m[:, 0]
-    length = np.hypot(*toward.T)
-    away = np.abs(wrapped_all(np.arctan2(toward[:, 1], toward[:, 0]) - heading_rad))
-    sway = np.arcsin(np.clip(moved_m / np.maximum(length, 1e-9), 0.0, 1.0))
-    return (away + sway + turn_rad + ROUNDING <= tolerance_rad) & (moved_m < length)
-
-
-def between_kept(at_m: FloatArray, moved_m: list[FloatArray], tolerance_m: float) -> BoolArray:
-    """(l,) whether the first of origins (l, 3, 2) stays between the others for all given motion of each.
-
-    Uses that the foot of the perpendicular keeps its share of the line, and bounds the rest by the motion of the ends.
-    """
-    line, step = at_m[:, 2] - at_m[:, 1], at_m[:, 0] - at_m[:, 1]
-    length = np.maximum(np.hypot(*line.T), 1e-9)
-    along, beside = (
-        (step * line).sum(axis=1) / length,
-        np.abs(step[:, 0] * line[:, 1] - step[:, 1] * line[:, 0]) / length,
-    )
-    moved = moved_m[0] + np.maximum(moved_m[1], moved_m[2])
-    spread = moved_m[1] + moved_m[2]
-    lean = np.clip(spread / np.maximum(length - spread, 1e-9), 0.0, 1.0)
-    rest = np.minimum(along, length - along) * np.maximum(1.0 - spread / length, 0.0)
-    return (beside + moved <= tolerance_m) & (rest >= moved + beside * lean)
-
-
-def _reached(layouts: Layouts, freedom: Freedom, i: int, reach: ReachIR, base_P_m: FloatArray) -> BoolArray:
+def _reached(layouts: Layouts, freedom: Freedom, i: int, reach: ReachRing, base_P_m: FloatArray) -> BoolArray:
     box = freedom.clipped_boxes(layouts)[:, i]
     far_x = np.maximum(np.abs(box[:, 0] - base_P_m[0]), np.abs(box[:, 1] - base_P_m[0]))
     far_y = np.maximum(np.abs(box[:, 2] - base_P_m[1]), np.abs(box[:, 3] - base_P_m[1]))

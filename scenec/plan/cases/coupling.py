@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import networkx as nx
 
-from scenec.ir.problem import WORLD_PARENT, RelationIR
 from scenec.plan.cases.cross_owner_relations import cross_owner_relation
 from scenec.solve.coupling import lifted, overlapping
 from scenec.solve.model import SolverModel
+from schemas.scene.geometry import BACKGROUND, SceneRelation
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class JointPool:
     """Things sampled jointly: `groups` of one owner each, and the cross-owner relations between them."""
 
     groups: tuple[tuple[str, ...], ...]
-    rules: tuple[RelationIR, ...]
+    rules: tuple[SceneRelation, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -72,6 +72,6 @@ def pools_of(base: SolverModel) -> PoolPartition:
     frozen: set[str] = set()
     if model.problem.reach is not None:
         for name in model.problem.reach.members:
-            if model.things[name].parent != WORLD_PARENT:
+            if model.things[name].parent != BACKGROUND:
                 frozen |= set(model.chains[name])
     return PoolPartition(tuple(sorted(joint_pools, key=lambda pool: pool.names)), frozenset(frozen), model)

@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import RelationIR
 from scenec.plan.cases.cells import GrownCells, grown_cells, plan_cases
 from scenec.plan.cases.clip_cells import CLIP_STEPS_M, clip_cells
 from scenec.plan.cases.cross_owner_relations import (
@@ -28,24 +27,25 @@ from scenec.plan.cases.quality import quality
 from scenec.plan.cases.rejection import CANDIDATE_TRIES, LOT, rejection_layouts
 from scenec.plan.cases.select import selected
 from scenec.plan.cases.signature import distinct
+from scenec.relations.table import RELATIONS
 from scenec.solve.model import SolverModel
 from scenec.solve.streams import stream
 from schemas.arrays import BoolArray, FloatArray
+from schemas.scene.geometry import SceneRelation
 from schemas.scene.runtime_plan import PlanCase
 
 MOST_CROSS_OWNER_LOTS = 24
 
 
 def cross_owner_cases(
-    model: SolverModel, request: PoolRequest, groups: Sequence[Sequence[str]], rules: Sequence[RelationIR]
+    model: SolverModel, request: PoolRequest, groups: Sequence[Sequence[str]], rules: Sequence[SceneRelation]
 ) -> list[PlanCase]:
     """Cases for all things of the groups, each of one owner, in the order of their names; none where no layout
     satisfies the cross-owner `rules`."""
     rng = stream(request.seed, "tied", *request.names)
     pools = [pool_model_of(model, names, request.frozen, request.solved) for names in groups]
-    relations = [
-        cross_owner_relation(model, rule) for rule in sorted(rules, key=lambda rule: rule.kind in ("near", "far_from"))
-    ]
+    fast_first = sorted(rules, key=lambda rule: RELATIONS[rule.kind].slow_to_measure)
+    relations = [cross_owner_relation(model, rule) for rule in fast_first]
     layouts = _together(pools, relations, request, rng)
     cells_by_owner = [grown_cells(pool, part, rng) for pool, part in zip(pools, layouts, strict=True)]
     is_kept = np.ones(len(layouts[0]), dtype=bool)

@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from scenec.solve.model import SLACK_M, Site
-from scenec.solve.planar import outline_of
+from scenec.solve.model import Site
+from scenec.solve.planar import SLACK_M, outline_of
 from schemas.arrays import BoolArray, FloatArray
 
 MOST_TRIANGLES = 24  # above this, notches of a place are replaced by their hulls: safe, but less area

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.random import Generator
 
 from scenec.plan.cases.apart import meeting
-from scenec.plan.cases.batch_relations import axis_orders
 from scenec.plan.cases.pool_model import Layouts, PoolModel
 from schemas.arrays import BoolArray, FloatArray
 
@@ -70,7 +69,7 @@ def _limit(pool: PoolModel, layouts: Layouts, rect: FloatArray, meet: BoolArray,
 def _orders_by_side(pool: PoolModel) -> dict[tuple[int, int], list[tuple[int, int, float]]]:
     # For (member, side): members that a directional relation along an axis keeps beyond that side, axis and gap.
     orders: dict[tuple[int, int], list[tuple[int, int, float]]] = {}
-    for first, second, along, gap_m in axis_orders(pool.rules, pool.index):
+    for first, second, along, gap_m in pool.axis_orders:
         orders.setdefault((first, 2 * along + 1), []).append((second, along, gap_m))
         orders.setdefault((second, 2 * along), []).append((first, along, gap_m))
     return orders

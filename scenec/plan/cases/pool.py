@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.random import Generator
 
-from scenec.ir.problem import WORLD_PARENT, Placement, ReachIR
+from scenec.ir.problem import Placement
 from scenec.plan.cases.cells import cases_of
 from scenec.plan.cases.free_rectangle import free_rectangle
 from scenec.plan.cases.grid import grid
@@ -24,6 +24,7 @@ from scenec.plan.cases.strip import strips
 from scenec.solve.model import SolverModel
 from scenec.solve.streams import stream
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import BACKGROUND, ReachRing
 from schemas.scene.runtime_plan import PlanCase
 
 FAMILIES = (("grid", grid), ("guillotine", guillotine), ("free_rectangle", free_rectangle), ("shelf", shelf))
@@ -91,7 +92,7 @@ def _shared_box(pool: PoolModel) -> FloatArray | None:
     return boxes[0] + GRAIN_M * np.array([1.0, -1.0, 1.0, -1.0]) if same else None
 
 
-def _alone(pool: PoolModel, request: PoolRequest, reach: ReachIR | None, base_P_m: np.ndarray) -> list[PlanCase]:
+def _alone(pool: PoolModel, request: PoolRequest, reach: ReachRing | None, base_P_m: np.ndarray) -> list[PlanCase]:
     # A single cell for a plain rectangle, else strips.
     (member,) = pool.members
     plain = not any(len(room.ends_m) or room.blocks for room in member.room.values())
@@ -126,9 +127,9 @@ def _nearest(member: Member, placement: Placement) -> int:
     return int(off.argmin())
 
 
-def reach_P(model: SolverModel, pool: PoolModel) -> tuple[ReachIR | None, np.ndarray]:
+def reach_P(model: SolverModel, pool: PoolModel) -> tuple[ReachRing | None, np.ndarray]:
     """The reach and its base in the background's frame; None for things on movable owners, which are frozen."""
     reach = model.problem.reach
-    if reach is None or pool.members[0].thing.parent != WORLD_PARENT:
+    if reach is None or pool.members[0].thing.parent != BACKGROUND:
         return None, np.zeros(2)
     return reach, (np.linalg.inv(model.problem.X_WB) @ (*reach.base_m, 1.0))[:2]

@@ -15,13 +15,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from scenec.ir.problem import Placement, RelationIR, Thing
+from scenec.ir.problem import Placement, Thing
 from scenec.plan.cases.feasible import Feasible, feasible_on
-from scenec.solve.model import SLACK_M, Site, SolverModel
-from scenec.solve.planar import hull_of, polygon
+from scenec.plan.cases.rectangles import AxisOrder
+from scenec.relations.table import RELATIONS
+from scenec.solve.model import Site, SolverModel
+from scenec.solve.planar import SLACK_M, hull_of, polygon
 from scenec.solve.search import fixed_pose_placements
 from scenec.solve.shapes import Shape
 from schemas.arrays import FloatArray, IntArray
+from schemas.scene.geometry import SceneRelation
 
 YAW_STEP = pi / 360.0
 GRAIN_M, GRAIN_RAD = 1e-6, 1e-6  # cells are stored in whole micrometres and microradians (schemas.scene.runtime_plan)
@@ -61,12 +64,12 @@ def extent_at(shape: Shape, yaw_rad: FloatArray) -> FloatArray:
 
 def own_hull(shape: Shape) -> FloatArray:
     """Convex hull (n, 2) of the body alone, without its load."""
-    return hull_of(np.concatenate([slab.outline_m for slab in shape.slabs[: shape.own]]))
+    return hull_of(np.concatenate([prism.outline_m for prism in shape.prisms[: shape.own]]))
 
 
 def overhang_m(shape: Shape) -> float:
     """Largest overhang of the load of a body over its own footprint: 0 unless a place was drawn beyond it."""
-    if shape.own == len(shape.slabs):
+    if shape.own == len(shape.prisms):
         return 0.0
     hull_polygon = polygon(own_hull(shape))
     out = float(shapely.distance(shapely.points(shape.hull), hull_polygon).max())
@@ -111,7 +114,7 @@ class PoolModel:
 
     members: tuple[Member, ...]
     clearance_m: float
-    rules: tuple[RelationIR, ...]
+    rules: tuple[SceneRelation, ...]
     model: SolverModel
 
     @property
@@ -126,13 +129,23 @@ class PoolModel:
 
     @cached_property
     def least_gap_m(self) -> FloatArray:
-        """(n, n) distance that two members must keep: the clearance, more for `far_from`."""
+        """(n, n) distance that two members must keep: the clearance, or more by a relation."""
         gap = np.full((len(self.members),) * 2, self.clearance_m)
         for rule in self.rules:
-            if rule.kind == "far_from":
+            if (least_m := RELATIONS[rule.kind].least_distance_m(rule)) is not None:
                 a, b = (self.index[name] for name in rule.things)
-                gap[a, b] = gap[b, a] = max(gap[a, b], rule.gap_m)
+                gap[a, b] = gap[b, a] = max(gap[a, b], least_m)
         return gap
+
+    @cached_property
+    def axis_orders(self) -> tuple[AxisOrder, ...]:
+        """The orders of two members along x or y that relations demand, members by number."""
+        orders = []
+        for rule in self.rules:
+            if (order := RELATIONS[rule.kind].axis_order(rule)) is not None:
+                numbers = [self.index[name] for name in rule.things]
+                orders.append(order._replace(first=numbers[order.first], second=numbers[order.second]))
+        return tuple(orders)
 
     @cached_property
     def level(self) -> bool:
@@ -236,9 +249,49 @@ def _member(model: SolverModel, name: str, fixed: Placement | None, solved: Plac
     )
 
 
+@dataclass(frozen=True)
+class MemberBatch:
+    """Members of a relation, `numbers` in it, in many layouts (...): options (...), rectangles (..., 4) and origins
+    (..., 2) of each."""
+
+    members: Sequence[Member]
+    numbers: Sequence[int]
+    options: Sequence[IntArray]
+    rects_m: Sequence[FloatArray]
+    origins_m: Sequence[FloatArray]
+
+    @property
+    def fronts_rad(self) -> list[FloatArray]:
+        """Headings (...) of the fronts."""
+        return [front_of(member, option) for member, option in zip(self.members, self.options, strict=True)]
+
+    @property
+    def heights_m(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Lowest and highest z (...) in P of each member, without what it carries."""
+        return [own_heights(member, option) for member, option in zip(self.members, self.options, strict=True)]
+
+
+def floor_of(member: Member, option: IntArray) -> FloatArray:
+    """Height (...) in P of what a member rests on, by option."""
+    return member.base_m[option] + float(member.thing.place.origin_P_m[2])
+
+
+def own_heights(member: Member, option: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest z (...) in P of a member, without what it carries, by option."""
+    low, high = np.array([(shape.own_low_m, shape.own_high_m) for shape in member.shapes]).T
+    floor, stance = floor_of(member, option), member.stance[option]
+    return floor + low[stance], floor + high[stance]
+
+
+def front_of(member: Member, option: IntArray) -> FloatArray:
+    """Direction (rad) in P of the front (+x of the asset frame), by option."""
+    fronts = np.array([shape.front_rad for shape in member.shapes])
+    return member.yaw_rad[option] + fronts[member.stance[option]]
+
+
 def _stands(shape: Shape, site: Site) -> float:
     # Height that must stay below the top of a place: the load of contents may rise over the rim of a receptacle.
-    return shape.height_m if site.is_surface else max(slab.high_m for slab in shape.slabs[: shape.own])
+    return shape.height_m if site.is_surface else max(prism.high_m for prism in shape.prisms[: shape.own])
 
 
 def _options(

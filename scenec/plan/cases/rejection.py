@@ -14,8 +14,8 @@ import numpy as np
 from numpy.random import Generator
 
 from scenec.plan.cases.apart import apart
-from scenec.plan.cases.batch_relations import may_hold
-from scenec.plan.cases.pool_model import Layouts, Member, PoolModel, around, joined
+from scenec.plan.cases.pool_model import Layouts, Member, MemberBatch, PoolModel, around, joined
+from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray, IntArray
 
 LOT = 4096  # layouts or candidates evaluated at once
@@ -152,25 +152,22 @@ def _candidates(
         good &= clear
     known = {*placed, i}
     for rule in pool.rules:
+        meaning = RELATIONS[rule.kind]
         numbers = [pool.index[name] for name in rule.things]
-        if i not in numbers or not known.issuperset(numbers):
+        there = [n for n, k in enumerate(numbers) if k in known]
+        if i not in numbers or len(there) < (2 if meaning.constrains_early else len(numbers)):
             continue
+        numbers = [numbers[n] for n in there]
         shape = (len(rows), tries)
-        rects, origins, fronts = [], [], []
-        for k in numbers:
-            mate = pool.members[k]
-            chosen = picked if k == i else np.broadcast_to(option[rows, k][:, None], shape)
-            rects.append(around_m if k == i else np.broadcast_to(rect[rows, k][:, None], (*shape, 4)))
-            origins.append(at if k == i else np.broadcast_to(origin[rows, k][:, None], (*shape, 2)))
-            fronts.append(front_of(mate, chosen))
-        good &= may_hold(rule, rects, origins, fronts)
+        batch = MemberBatch(
+            [pool.members[k] for k in numbers],
+            there,
+            [picked if k == i else np.broadcast_to(option[rows, k][:, None], shape) for k in numbers],
+            [around_m if k == i else np.broadcast_to(rect[rows, k][:, None], (*shape, 4)) for k in numbers],
+            [at if k == i else np.broadcast_to(origin[rows, k][:, None], (*shape, 2)) for k in numbers],
+        )
+        good &= meaning.may_hold(rule, batch)
     return picked, at, around_m, good
-
-
-def front_of(member: Member, option: IntArray) -> FloatArray:
-    """Direction (rad) in P of the front (+x of the asset frame), by option."""
-    fronts = np.array([shape.front_rad for shape in member.shapes])
-    return member.yaw_rad[option] + fronts[member.stance[option]]
 
 
 def sample_origins(member: Member, option: IntArray, rng: Generator) -> FloatArray:

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.random import Generator
 
 from scenec.plan.cases.apart import clashes
-from scenec.plan.cases.batch_relations import axis_orders, may_hold
-from scenec.plan.cases.pool_model import GRAIN_M, Layouts, PoolModel, around
-from scenec.plan.cases.rejection import front_of, inside
+from scenec.plan.cases.pool_model import GRAIN_M, Layouts, MemberBatch, PoolModel, around
+from scenec.plan.cases.rejection import inside
+from scenec.relations.table import RELATIONS
 from schemas.arrays import BoolArray, FloatArray, IntArray
 
 WAYS = 4  # options per thing at least: two for each stance
@@ -100,8 +100,14 @@ def layouts_in_slots(
     good &= np.logical_not(np.asarray(clashes(pool, layouts)).any(axis=(1, 2)))
     for rule in pool.rules:
         numbers = [pool.index[name] for name in rule.things]
-        fronts = [front_of(pool.members[k], option[:, k]) for k in numbers]
-        good &= may_hold(rule, [rect[:, k] for k in numbers], [origin[:, k] for k in numbers], fronts)
+        batch = MemberBatch(
+            [pool.members[k] for k in numbers],
+            range(len(numbers)),
+            [option[:, k] for k in numbers],
+            [rect[:, k] for k in numbers],
+            [origin[:, k] for k in numbers],
+        )
+        good &= RELATIONS[rule.kind].may_hold(rule, batch)
     return layouts.take(good)
 
 
@@ -143,8 +149,8 @@ def _exchange(pool: PoolModel, slot_options: SlotOptions, slots: FloatArray, rng
 
 
 def _axial(pool: PoolModel) -> FloatArray:
-    # (r, 4) rows of `scenec.plan.cases.batch_relations.AxisOrder`.
-    return np.array(axis_orders(pool.rules, pool.index)).reshape(-1, 4)
+    # (r, 4) rows of `scenec.plan.cases.rectangles.AxisOrder`.
+    return np.array(pool.axis_orders).reshape(-1, 4)
 
 
 def _broken(slots: FloatArray, seat: IntArray, rules: FloatArray) -> FloatArray:

@@ -14,7 +14,6 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from geom.planar import inner_radius
-from scenec.ir.problem import ReachIR
 from scenec.plan.cases.cells import SPARE_M
 from scenec.plan.cases.pool_model import GRAIN_M, GRAIN_RAD, Member, PoolModel
 from scenec.solve.model import Site
@@ -23,6 +22,7 @@ from scenec.solve.regions import eroded, no_fit_polygons
 from scenec.solve.shapes import Shape
 from scenec.solve.shelf import free_intervals
 from schemas.arrays import FloatArray
+from schemas.scene.geometry import ReachRing
 from schemas.scene.runtime_plan import PlanCase
 
 SECTOR_RAD = pi / 8.0
@@ -32,7 +32,7 @@ LEAST_SHARE = 1e-3  # strips with less than this of a region are dropped
 ROUND = 1.002  # ratio of outer to inner radius of a footprint below which it needs no sectors
 
 
-def strips(pool: PoolModel, reach: ReachIR | None, base_P_m: FloatArray) -> list[PlanCase]:
+def strips(pool: PoolModel, reach: ReachRing | None, base_P_m: FloatArray) -> list[PlanCase]:
     """Cases of the only member of a pool that cover its feasible region; none where no sector has any region."""
     (member,) = pool.members
     site = pool.model.site(member.thing)
@@ -72,7 +72,7 @@ def _swept(shape: Shape, low: float, high: float) -> FloatArray:
 
 
 def _region(
-    member: Member, site: Site, shape: Shape, swept: FloatArray, reach: ReachIR | None, base_P_m: FloatArray
+    member: Member, site: Site, shape: Shape, swept: FloatArray, reach: ReachRing | None, base_P_m: FloatArray
 ) -> BaseGeometry:
     # Region of the origin (P) that is valid for all yaws of the sector.
     low, high = site.base_P_m, site.base_P_m + shape.height_m

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
@@ -22,4 +24,8 @@ EFFECT = Effect(
         Confusable("joint.axis_tilt", "move over the whole range: gravity depends on position"),
     ),
     hook=EffortMap(_map),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.driven,
+        bounds=lambda r: {"torque_Nm": (-r.torque, r.torque)},
+    ),
 )

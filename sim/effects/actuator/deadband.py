@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
+
+_LEAST_EFFORT = 1e-9  # N m (N): no division by what was never commanded
 
 
 def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
@@ -24,4 +28,9 @@ EFFECT = Effect(
         Confusable("joint.backlash", "hold a small steady effort"),
     ),
     hook=EffortMap(_map),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.driven,
+        bounds=lambda r: {"band_Nm": (0.0, max(r.effort, _LEAST_EFFORT))},
+    ),
+    plot_against="input",
 )

@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 from schemas.gap import Place
-from sim.dynamics.hooks import CommandMap, Confusable, Effect, Parameter, Params, Series
+from sim.dynamics.hooks import CommandMap, Params, Series
+from sim.effects.candidacy import MechanismCandidacy, Nuisance, within
 from sim.effects.common.series import held_at, with_columns
+from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.ranges import DeclaredJoint
+
+_MEETING = 0.1  # of a row: how well the time is known at which an input acts
 
 
 def _map(series: Series, params: Params, where: Place) -> Series:
     late = series.t_s - params["delay_s"]
     return with_columns(series, ("command", "effort"), lambda sent: held_at(series.t_s, sent, late))
+
+
+def _input_timing(joint: DeclaredJoint) -> Nuisance | None:
+    """Inputs meet readings within a share of a row: loops read before they write, engines act on whole steps."""
+    return within("timing", "delay_s", 0.0, _MEETING * joint.row_s) if joint.driven and joint.joint == 0 else None
 
 
 EFFECT = Effect(
@@ -25,4 +35,5 @@ EFFECT = Effect(
         Confusable("joint.backlash", "reverse at several speeds"),
     ),
     hook=CommandMap(_map),
+    mechanism=MechanismCandidacy(observable=lambda r: r.driven, nuisance=_input_timing),
 )

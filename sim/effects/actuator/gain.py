@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.effects.candidacy import MechanismCandidacy, within
+from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.ranges import TOLERANCE
 
 
 def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
@@ -23,4 +26,9 @@ EFFECT = Effect(
         Confusable("actuator.supply_sag", "log the supply voltage"),
     ),
     hook=EffortMap(_map),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.driven,
+        nuisance=lambda joint: within("effort", "gain", 1.0, TOLERANCE if joint.driven else 0.0),
+    ),
+    plot_against="input",
 )

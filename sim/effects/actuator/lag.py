@@ -7,8 +7,10 @@ from scipy.linalg import solve_banded
 
 from schemas.arrays import FloatArray
 from schemas.gap import Place
-from sim.dynamics.hooks import CommandMap, Confusable, Effect, Parameter, Params, Series
+from sim.dynamics.hooks import CommandMap, Params, Series
+from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.common.series import with_columns
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _map(series: Series, params: Params, where: Place) -> Series:
@@ -41,4 +43,5 @@ EFFECT = Effect(
         Confusable("joint.armature", "accelerate at several frequencies"),
     ),
     hook=CommandMap(_map),
+    mechanism=MechanismCandidacy(observable=lambda r: r.driven),
 )

@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.common.travel import count_bounds, count_start
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
@@ -21,9 +24,15 @@ EFFECT = Effect(
     reveals="unexplained torque repeats over position and grows with effort",
     parameters=(
         Parameter("share", "1", 0.0, 1.0, 0.0),
-        Parameter("count_per_rad", "1/rad (1/m)", 0.5, 1e3, 6.0),
-        Parameter("phase_rad", "rad", -np.pi, np.pi, 0.0),
+        Parameter("count_per_rad", "1/rad (1/m)", 0.5, 1e3, 6.0, is_shape=True),
+        Parameter("phase_rad", "rad", -np.pi, np.pi, 0.0, is_shape=True),
     ),
     confusables=(Confusable("joint.detent", "let the joint swing with the drive off"),),
     hook=EffortMap(_map),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.driven,
+        bounds=lambda r: {"count_per_rad": count_bounds(r)},
+        start=lambda r: {"count_per_rad": count_start(r)},
+    ),
+    plot_against="input",
 )

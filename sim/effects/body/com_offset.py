@@ -8,11 +8,32 @@ import numpy as np
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
+from sim.effects.candidacy import Bounds, ImpactCandidacy, PushCandidacy, TossCandidacy
+from sim.effects.effect import Confusable, Effect, Export, Parameter
+from sim.effects.ranges import ImpactRanges, PushRanges, TossRanges, declared_com
+
+_FIXED_M = 1e-12  # an axis that planar motion does not show
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
     return replace(model, com_B=np.array([params["x_m"], params["y_m"], params["z_m"]]))
+
+
+def _within_a_third(r: TossRanges) -> Bounds:
+    return {n: (v - r.size_m / 3.0, v + r.size_m / 3.0) for n, v in declared_com(r.body).items()}
+
+
+def _within_gyration(r: ImpactRanges) -> Bounds:
+    """As far as a homogeneous body's mass centre can be from where its inertia says it is."""
+    com, reach = declared_com(r.body), float(np.sqrt(r.body.inertia_B[2, 2] / r.body.mass_kg))
+    return {n: (v - reach, v + reach) for n, v in com.items()} | {"z_m": (com["z_m"], com["z_m"] + _FIXED_M)}
+
+
+def _within_foot(r: PushRanges) -> Bounds:
+    height = declared_com(r.body)["z_m"]
+    sides = {n: (float(r.low_m[k]), float(r.high_m[k])) for k, n in enumerate(("x_m", "y_m"))}
+    return sides | {"z_m": (height, height + _FIXED_M)}
 
 
 EFFECT = Effect(
@@ -31,6 +52,18 @@ EFFECT = Effect(
         Confusable("contact.anisotropic_friction", "look at the free flight: only the mass centre shows there"),
     ),
     hook=ModelChange(_change),
-    usd="physics:centerOfMass",
-    urdf="inertial/origin",
+    free_body=TossCandidacy(
+        null=lambda r: declared_com(r.body),
+        bounds=_within_a_third,
+        direct=("wobble_in_flight",),
+        linked_direct=("wobble_of_link",),
+    ),
+    impact=ImpactCandidacy(
+        observable=lambda r: r.has_pose,
+        null=lambda r: declared_com(r.body),
+        bounds=_within_gyration,
+        direct="mass_centre",
+    ),
+    push=PushCandidacy(null=lambda r: declared_com(r.body), bounds=_within_foot, direct="mass_centre"),
+    export=Export(usd="physics:centerOfMass", urdf="inertial/origin", package="centre_of_mass_m"),
 )

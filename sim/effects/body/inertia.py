@@ -6,7 +6,11 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
+from sim.effects.candidacy import ImpactCandidacy, TossCandidacy
+from sim.effects.effect import Confusable, Effect, Export, Parameter
+
+_INERTIA_FACTORS = (0.3, 3.0)  # even spread of mass over shell and core
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -25,6 +29,9 @@ EFFECT = Effect(
         Confusable("contact.friction", "toss it spinning: free rotation shows ratios of the moments"),
     ),
     hook=ModelChange(_change),
-    usd="physics:diagonalInertia",
-    urdf="inertial/inertia",
+    free_body=TossCandidacy(
+        bounds=lambda r: {"factor": _INERTIA_FACTORS}, direct=("turn_in_impacts",), linked_direct=("spin_of_link",)
+    ),
+    impact=ImpactCandidacy(bounds=lambda r: {"factor": _INERTIA_FACTORS}, direct="angular_balance"),
+    export=Export(usd="physics:diagonalInertia", urdf="inertial/inertia", package="inertia_kgm2"),
 )

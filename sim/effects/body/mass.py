@@ -6,7 +6,11 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
+from sim.effects.candidacy import PushCandidacy, TossCandidacy
+from sim.effects.effect import Confusable, Effect, Export, Parameter
+
+_LIGHTEST, _HEAVIEST = 0.2, 5.0  # over the declared mass
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -27,6 +31,19 @@ EFFECT = Effect(
         Confusable("world.constant_force", "weigh the body"),
     ),
     hook=ModelChange(_change),
-    usd="physics:mass",
-    urdf="inertial/mass",
+    # A passive body shows its mass only through forces that do not scale with it; links show it to one another, but for
+    # the scale of all masses: that of the base is believed.
+    free_body=TossCandidacy(
+        observable=lambda r: r.linked and not r.base,
+        null=lambda r: {"mass_kg": r.body.mass_kg},
+        bounds=lambda r: {"mass_kg": (_LIGHTEST * r.body.mass_kg, _HEAVIEST * r.body.mass_kg)},
+        linked_direct=("mass_of_link",),
+    ),
+    push=PushCandidacy(
+        observable=lambda r: r.has_force,
+        null=lambda r: {"mass_kg": r.body.mass_kg},
+        bounds=lambda r: {"mass_kg": (_LIGHTEST * r.body.mass_kg, _HEAVIEST * r.body.mass_kg)},
+        direct="mass",
+    ),
+    export=Export(usd="physics:mass", urdf="inertial/mass", package="mass_kg"),
 )

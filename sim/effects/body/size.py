@@ -7,7 +7,11 @@ from dataclasses import replace
 from geom.convex.scaling import scaled
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
+from sim.effects.candidacy import TossCandidacy
+from sim.effects.effect import Confusable, Effect, Export, Parameter
+
+_SIZE_FACTORS = (0.7, 1.4)
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -28,4 +32,12 @@ EFFECT = Effect(
         Confusable("contact.compliance", "rest without motion"),
     ),
     hook=ModelChange(_change),
+    free_body=TossCandidacy(
+        observable=lambda r: r.body.has_support,
+        bounds=lambda r: {"factor": _SIZE_FACTORS},
+        acts_on="linkage",
+        direct=("height_at_rest",),
+        bounds_from_direct=True,
+    ),
+    export=Export(left_out="the shape itself is wrong: scale the source and ingest it again"),
 )

@@ -34,3 +34,26 @@ def held_at(t_s: FloatArray, values: FloatArray, when_s: FloatArray) -> FloatArr
 def read_at(t_s: FloatArray, values: FloatArray, when_s: FloatArray) -> FloatArray:
     """Columns (n, k) of a smooth motion at other times, linear between rows, held beyond the ends."""
     return np.stack([np.interp(when_s, t_s, column) for column in values.T], axis=1)
+
+
+def low_passed(
+    t_s: FloatArray, values: FloatArray, time_constant_s: float, start: FloatArray | None = None
+) -> FloatArray:
+    """First-order answers (w, k, j) to values that are straight between rows at t_s (w, k).
+
+    time_constant_s * d(answer)/dt = value - answer, solved exactly in each interval, from answers `start` (w, j);
+    without a start, the values were on the first straight line all along.
+    """
+    if time_constant_s <= 0.0 or values.shape[1] < 2:
+        return values
+    spans = np.diff(t_s)[:, :, None]
+    slopes = np.divide(np.diff(values, axis=1), spans, out=np.zeros_like(values[:, 1:]), where=spans > 0.0)
+    fades = np.exp(-spans / time_constant_s)
+    # On a straight line the answer settles behind it by time constant times slope; what is left of the start fades.
+    behind = time_constant_s * slopes
+    answers = np.empty_like(values)
+    answers[:, 0] = values[:, 0] - behind[:, 0] if start is None else start
+    for k in range(values.shape[1] - 1):
+        left = answers[:, k] - values[:, k] + behind[:, k]
+        answers[:, k + 1] = values[:, k + 1] - behind[:, k] + fades[:, k] * left
+    return answers

@@ -8,7 +8,9 @@ import numpy as np
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
+from sim.effects.candidacy import PushCandidacy, TossCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -28,4 +30,11 @@ EFFECT = Effect(
         Confusable("contact.friction", "slide along several directions of the body"),
     ),
     hook=ModelChange(_change),
+    # Along an axis of which link? A single body answers that, a linkage does not.
+    free_body=TossCandidacy(
+        observable=lambda r: r.body.has_support and not r.linked,
+        bounds=lambda r: {"ratio": (0.1, 5.0)},
+        direct=("turn_of_slides",),
+    ),
+    push=PushCandidacy(bounds=lambda r: {"ratio": (0.25, 4.0)}, direct="move_across_force"),
 )

@@ -4,13 +4,29 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
+from sim.effects.candidacy import Bounds, TossCandidacy
+from sim.effects.effect import Confusable, Effect, Export, Parameter
+from sim.effects.ranges import TossRanges
+
+_DEEPEST, _USUAL, _SHALLOWEST = 0.1, 1e-3, 1e-4  # of the size: how far the body sinks in under its weight
+_MOST_DAMPED = 4.0  # times what brakes the swing on the usual spring critically, over two
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
     return replace(model, stiffness_Npm=params["stiffness_Npm"], damping_Nspm=params["damping_Nspm"])
+
+
+def _bounds(r: TossRanges) -> Bounds:
+    slowest = np.sqrt(r.gravity_mps2 / (_USUAL * r.size_m))
+    return {
+        "stiffness_Npm": (r.weight_N / (_DEEPEST * r.size_m), r.weight_N / (_SHALLOWEST * r.size_m)),
+        "damping_Nspm": (0.0, _MOST_DAMPED * r.body.mass_kg * slowest),
+    }
 
 
 EFFECT = Effect(
@@ -28,6 +44,10 @@ EFFECT = Effect(
         Confusable("body.size", "rest without motion: size shifts the height, compliance little"),
     ),
     hook=ModelChange(_change),
-    usd="physxMaterial:compliantContactStiffness",
-    urdf="contact/stiffness",
+    free_body=TossCandidacy(observable=lambda r: r.body.has_support, bounds=_bounds),
+    export=Export(
+        usd="physxMaterial:compliantContactStiffness",
+        urdf="contact/stiffness",
+        urdf_contact={"stiffness_Npm": "stiffness", "damping_Nspm": "damping"},
+    ),
 )

@@ -6,11 +6,22 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
+from sim.effects.candidacy import ImpactCandidacy, Nuisance, PushCandidacy, TossCandidacy
+from sim.effects.effect import Confusable, Effect, Export, Parameter
+from sim.effects.ranges import PUSHER_PAIR, TOLERANCE
+
+_LARGEST_MU = 1.5
+_ENGINES = 0.15  # two engines, and sliding and impacts in one, differ by this share about the friction of a pair
+_PUSHER_FRICTION = (0.02, 1.2)
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
     return replace(model, friction=params["mu"])
+
+
+def _known_to(mu: float, half: float) -> Nuisance | None:
+    return Nuisance("friction", "mu", mu, max(0.0, mu - half), min(_LARGEST_MU, mu + half)) if half > 0.0 else None
 
 
 EFFECT = Effect(
@@ -26,6 +37,30 @@ EFFECT = Effect(
         Confusable("contact.anisotropic_friction", "slide along several directions of the body"),
     ),
     hook=ModelChange(_change),
-    usd="physics:dynamicFriction, physics:staticFriction",
-    urdf="contact/lateral_friction",
+    free_body=TossCandidacy(
+        observable=lambda r: r.body.has_support,
+        null=lambda r: {"mu": r.body.friction},
+        bounds=lambda r: {"mu": (0.0, _LARGEST_MU)},
+        nuisance=lambda body: _known_to(body.friction, _ENGINES * body.friction) if body.has_support else None,
+        direct=("slowing_of_slides",),
+        linked_direct=("slowing_of_slides",),
+    ),
+    impact=ImpactCandidacy(
+        null=lambda r: {"mu": r.body.friction},
+        bounds=lambda r: {"mu": (0.0, _LARGEST_MU)},
+        nuisance=lambda body: _known_to(body.friction, TOLERANCE * body.friction),
+        direct="sliding_impulse",
+    ),
+    # The pusher's friction is declared nowhere. That of the support is no nuisance: beside it, mass would be a second
+    # name for one number, and neither could be doubted.
+    push=PushCandidacy(
+        observable=lambda r: r.has_force,
+        null=lambda r: {"mu": r.body.friction},
+        bounds=lambda r: {"mu": (0.0, _LARGEST_MU)},
+        nuisance=lambda r: Nuisance("friction", "mu", r.pusher_friction, *_PUSHER_FRICTION, PUSHER_PAIR),
+        direct="level_of_force",
+    ),
+    export=Export(
+        usd="physics:dynamicFriction, physics:staticFriction", urdf="contact/lateral_friction", package="friction"
+    ),
 )

@@ -6,7 +6,11 @@ from dataclasses import replace
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
+from sim.effects.candidacy import TossCandidacy
+from sim.effects.effect import Confusable, Effect, Export, Parameter
+
+_LARGEST_LEVER = 0.2  # lever over the size
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -25,5 +29,8 @@ EFFECT = Effect(
         Confusable("contact.spinning_friction", "roll without spin"),
     ),
     hook=ModelChange(_change),
-    urdf="contact/rolling_friction",
+    free_body=TossCandidacy(
+        observable=lambda r: r.body.has_support, bounds=lambda r: {"lever_m": (0.0, _LARGEST_LEVER * r.size_m)}
+    ),
+    export=Export(urdf="contact/rolling_friction", urdf_contact={"lever_m": "rolling_friction"}),
 )

@@ -5,9 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
 from sim.dynamics.mechanism import MechanismModel
+from sim.effects.candidacy import MechanismCandidacy, within
 from sim.effects.common.joint_values import with_link
+from sim.effects.effect import Confusable, Effect, Export, Parameter
+from sim.effects.ranges import TOLERANCE
+
+_LEAST, _MOST = -0.8, 4.0  # of the declared inertia about the joint
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
@@ -27,5 +32,9 @@ EFFECT = Effect(
         Confusable("actuator.gain", "hang a known load on the joint"),
     ),
     hook=ModelChange(_change),
-    usd="physxJoint:armature",
+    mechanism=MechanismCandidacy(
+        bounds=lambda r: {"inertia_kgm2": (_LEAST * r.inertia, _MOST * r.inertia)},
+        nuisance=lambda joint: within("inertia", "inertia_kgm2", 0.0, TOLERANCE * joint.inertia_at_zero),
+    ),
+    export=Export(usd="physxJoint:armature"),
 )

@@ -8,8 +8,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
 from sim.dynamics.mechanism import MechanismModel
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
@@ -34,4 +36,6 @@ EFFECT = Effect(
         Confusable("joint.gravity_load", "weigh the load; tilt lowers the pull, and moves the place of rest"),
     ),
     hook=ModelChange(_change),
+    mechanism=MechanismCandidacy(observable=lambda r: r.any_feels_gravity, whole_log=True),
+    plot_against="position",
 )

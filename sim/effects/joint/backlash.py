@@ -5,8 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, EffortMap, JointState, Parameter, Params
+from sim.dynamics.hooks import EffortMap, JointState, Params
+from sim.effects.candidacy import Bounds, MechanismCandidacy, Values
+from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.ranges import JointRanges
 
+_NARROWEST, _TYPICAL, _WIDEST = 5e-3, 0.1, 0.5  # gap over the range that was reached
+_HEAVIEST_DRIVE = 0.2  # of the inertia that a drive moves
 _FAST = 1e-9  # kg m2 (kg): a drive so light crosses at once
 _STANDSTILL_S = 1e-9  # rows may share a stamp
 
@@ -44,6 +49,22 @@ def _map(state: JointState, params: Params, memory: dict[str, FloatArray]) -> Fl
     return deferred + np.where(in_contact, state.effort, passed - later)
 
 
+def _bounds(r: JointRanges) -> Bounds:
+    return {
+        "gap_inertia_kgm2rad": (0.0, _HEAVIEST_DRIVE * _WIDEST * r.span * r.inertia),
+        "gap_rad": (_NARROWEST * r.span, _WIDEST * r.span),
+    }
+
+
+def _starts(r: JointRanges, null: Values, bounds: Bounds) -> tuple[Values, ...]:
+    widest, heaviest = bounds["gap_rad"][1], bounds["gap_inertia_kgm2rad"][1]
+    return tuple(
+        {"gap_rad": share * widest, "gap_inertia_kgm2rad": part * heaviest}
+        for share in (0.05, 0.3)
+        for part in (0.0005, 0.002, 0.008, 0.03, 0.12, 0.4)
+    )
+
+
 EFFECT = Effect(
     name="joint.backlash",
     kinds=("mechanism",),
@@ -53,7 +74,7 @@ EFFECT = Effect(
     parameters=(
         # What a crossing costs: the joint lags by this over its inertia, however fast. Rebounds make it look smaller.
         Parameter("gap_inertia_kgm2rad", "kg m2 rad (kg m)", 0.0, 100.0, 0.0),
-        Parameter("gap_rad", "rad (m)", 1e-6, 1.0, 0.01),
+        Parameter("gap_rad", "rad (m)", 1e-6, 1.0, 0.01, is_shape=True),
     ),
     confusables=(
         Confusable("actuator.delay", "reverse at several speeds: a delay is a time, play is an angle"),
@@ -62,4 +83,10 @@ EFFECT = Effect(
         Confusable("actuator.lag", "reverse at several speeds: a lag is a time, play is an angle"),
     ),
     hook=EffortMap(_map),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.driven,
+        bounds=_bounds,
+        start=lambda r: {"gap_rad": _TYPICAL * r.span},
+        extra_starts=_starts,
+    ),
 )

@@ -5,9 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
 from sim.dynamics.mechanism import MechanismModel
+from sim.effects.candidacy import MechanismCandidacy, TossCandidacy, within
 from sim.effects.common.joint_values import with_joint_value
+from sim.effects.effect import Confusable, Effect, Export, Parameter
+from sim.effects.ranges import TOLERANCE
+
+_LARGEST_MOMENT = 0.3  # of the weight at the reach of a link
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
@@ -27,6 +32,16 @@ EFFECT = Effect(
         Confusable("actuator.deadband", "let the joint swing with the drive off"),
     ),
     hook=ModelChange(_change),
-    usd="physxJoint:jointFriction",
-    urdf="dynamics/@friction",
+    mechanism=MechanismCandidacy(
+        null=lambda r: {"torque_Nm": r.friction},
+        bounds=lambda r: {"torque_Nm": (0.0, r.torque + r.friction)},
+        nuisance=lambda joint: within("friction", "torque_Nm", joint.friction, TOLERANCE * joint.friction),
+    ),
+    free_body=TossCandidacy(
+        observable=lambda r: r.joint is not None,
+        null=lambda r: {"torque_Nm": r.joint.declared.friction} if r.joint else {},
+        bounds=lambda r: {"torque_Nm": (0.0, _LARGEST_MOMENT * r.joint.weight_N * r.joint.reach_m)} if r.joint else {},
+        linked_direct=("dry_effort",),
+    ),
+    export=Export(usd="physxJoint:jointFriction", urdf="dynamics/@friction", urdf_joint={"torque_Nm": "friction"}),
 )

@@ -5,13 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter, Params
+from sim.dynamics.hooks import JointFriction, JointState, Params
+from sim.effects.candidacy import Bounds, MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.ranges import JointRanges
 
 
 def _limit(state: JointState, params: Params, direction: FloatArray) -> FloatArray:
     """No direction can have less than no friction, so the difference is at most the friction that is there."""
     most = np.inf if state.friction is None else state.friction
     return np.clip(params["torque_Nm"], -most, most) * direction
+
+
+def _bounds(r: JointRanges) -> Bounds:
+    most = r.friction if r.friction > 0.0 else r.torque
+    return {"torque_Nm": (-most, most)}
 
 
 EFFECT = Effect(
@@ -26,4 +34,5 @@ EFFECT = Effect(
         Confusable("joint.axis_tilt", "move over the whole range: gravity depends on position, friction does not"),
     ),
     hook=JointFriction(_limit),
+    mechanism=MechanismCandidacy(bounds=_bounds),
 )

@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
 from sim.dynamics.mechanism import MechanismModel
+from sim.effects.candidacy import MechanismCandidacy, within
 from sim.effects.common.joint_values import with_link
+from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.ranges import TOLERANCE
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
@@ -27,4 +30,9 @@ EFFECT = Effect(
         Confusable("world.gravity_magnitude", "weigh the load"),
     ),
     hook=ModelChange(_change),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.any_feels_gravity,
+        nuisance=lambda joint: within("weight", "factor", 1.0, TOLERANCE if joint.feels_gravity else 0.0),
+    ),
+    plot_against="position",
 )

@@ -5,7 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter, Params
+from sim.dynamics.hooks import JointState, JointTorque, Params
+from sim.effects.candidacy import Bounds, MechanismCandidacy, Values
+from sim.effects.effect import Confusable, Effect, Export, Parameter
+from sim.effects.ranges import JointRanges
+
+_STOP_SHARES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33)  # of the range, from its edges
+_STIFFEST_STOP = 0.3  # of inertia over a step's square: what is stiffer would throw a joint out faster than it came
+_LOG_STEP_S = 5e-3
+_HARDER = (10.0, 1e4)  # than what the torque does over the range
+_MOST_LOSS = 3.0  # of a stop's force on the way in beyond that at rest, at the speeds that were reached
+_LEAST_SPAN = 1e-9  # rad (m)
 
 
 def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
@@ -17,6 +27,33 @@ def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) ->
 def _resists(params: Params, inwards: FloatArray) -> FloatArray:
     """More on the way in than on the way out, so that a blow loses energy; a stop never pulls."""
     return np.maximum(1.0 + params["loss_s_per_rad"] * inwards, 0.0)
+
+
+def _bounds(r: JointRanges) -> Bounds:
+    middle, soft = 0.5 * (r.low + r.high), r.torque / max(r.span, _LEAST_SPAN)
+    hardest = max(_HARDER[0] * soft, min(_HARDER[1] * soft, _STIFFEST_STOP * r.inertia / _LOG_STEP_S**2))
+    return {
+        "lower_rad": (r.low - r.span, middle),
+        "upper_rad": (middle, r.high + r.span),
+        "stiffness_Nm_per_rad": (soft, hardest),
+        "loss_s_per_rad": (0.0, _MOST_LOSS / r.speed),
+    }
+
+
+def _ends_of_travel(r: JointRanges, null: Values, bounds: Bounds) -> tuple[Values, ...]:
+    """Ends of travel within the range that was reached, near its edges first, soft to hard, above, below and both."""
+    soft, hard = bounds["stiffness_Nm_per_rad"]
+    return tuple(
+        {
+            "lower_rad": r.low + share * r.span if "lower" in sides else null["lower_rad"],
+            "upper_rad": r.high - share * r.span if "upper" in sides else null["upper_rad"],
+            "stiffness_Nm_per_rad": float(stiffness),
+            "loss_s_per_rad": 0.1 * bounds["loss_s_per_rad"][1],
+        }
+        for sides in (("upper",), ("lower",), ("lower", "upper"))
+        for share in _STOP_SHARES
+        for stiffness in np.geomspace(3.0 * soft, 0.3 * hard, 3)
+    )
 
 
 EFFECT = Effect(
@@ -36,6 +73,17 @@ EFFECT = Effect(
     ),
     confusables=(Confusable("joint.spring", "approach the end slowly: a spring acts over the whole range"),),
     hook=JointTorque(_torque),
-    usd="physics:lowerLimit, physics:upperLimit",
-    urdf="limit/@lower, limit/@upper",
+    mechanism=MechanismCandidacy(
+        null=lambda r: {"lower_rad": r.low - r.span, "upper_rad": r.high + r.span},
+        bounds=_bounds,
+        extra_starts=_ends_of_travel,
+        max_excursion=lambda r: {"lower_rad": r.low, "upper_rad": r.high},
+    ),
+    plot_against="position",
+    export=Export(
+        usd="physics:lowerLimit, physics:upperLimit",
+        urdf="limit/@lower, limit/@upper",
+        urdf_joint={"lower_rad": "lower", "upper_rad": "upper"},
+        only_reached=True,
+    ),
 )

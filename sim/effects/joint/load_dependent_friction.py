@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter, Params
+from sim.dynamics.hooks import JointFriction, JointState, Params
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _limit(state: JointState, params: Params, direction: FloatArray) -> FloatArray:
@@ -19,4 +21,7 @@ EFFECT = Effect(
     parameters=(Parameter("radius_m", "m (1 for sliding joints)", 0.0, 1.0, 0.0),),
     confusables=(Confusable("joint.coulomb_friction", "move with two different loads on the joint"),),
     hook=JointFriction(_limit, by_load=True),
+    mechanism=MechanismCandidacy(
+        observable=lambda r: r.any_feels_gravity, bounds=lambda r: {"radius_m": (0.0, r.torque / r.load)}
+    ),
 )

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter, Params
+from sim.dynamics.hooks import JointState, JointTorque, Params
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
@@ -21,4 +23,5 @@ EFFECT = Effect(
     parameters=(Parameter("drag_Nms2_per_rad2", "N m s2/rad2 (N s2/m2)", 0.0, 1e3, 0.0),),
     confusables=(Confusable("joint.viscous_friction", "move at speeds that differ by a factor of three or more"),),
     hook=JointTorque(_torque),
+    mechanism=MechanismCandidacy(bounds=lambda r: {"drag_Nms2_per_rad2": (0.0, r.torque / r.speed**2)}),
 )

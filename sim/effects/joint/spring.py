@@ -3,11 +3,25 @@
 from __future__ import annotations
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointState, JointTorque, Parameter, Params
+from sim.dynamics.hooks import JointState, JointTorque, Params
+from sim.effects.candidacy import Bounds, MechanismCandidacy, TossCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.ranges import TossRanges
+
+_STIFFEST_SPRING = 4.0  # times what the torque does over the range that was reached
+_LEAST_SPAN = 1e-9  # rad (m)
+_FASTEST_RADPS = 60.0  # of a swing of the link by itself
 
 
 def _torque(state: JointState, params: Params, memory: dict[str, FloatArray]) -> FloatArray:
     return -params["stiffness_Nm_per_rad"] * (state.q - params["rest_rad"])
+
+
+def _linked_bounds(r: TossRanges) -> Bounds:
+    if r.joint is None:
+        return {}
+    stiffest = r.joint.declared.inertia_at_zero * _FASTEST_RADPS**2
+    return {"stiffness_Nm_per_rad": (0.0, stiffest), "rest_rad": (-r.joint.half_travel, r.joint.half_travel)}
 
 
 EFFECT = Effect(
@@ -18,11 +32,20 @@ EFFECT = Effect(
     reveals="unexplained torque is a straight line over position",
     parameters=(
         Parameter("stiffness_Nm_per_rad", "N m/rad (N/m)", 0.0, 1e5, 0.0),
-        Parameter("rest_rad", "rad (m)", -10.0, 10.0, 0.0),
+        Parameter("rest_rad", "rad (m)", -10.0, 10.0, 0.0, is_shape=True),
     ),
     confusables=(
         Confusable("joint.gravity_load", "move through a quarter turn or more: a spring is straight, gravity a sine"),
         Confusable("actuator.gain", "let the joint swing with the drive off"),
     ),
     hook=JointTorque(_torque),
+    mechanism=MechanismCandidacy(
+        null=lambda r: {"rest_rad": 0.5 * (r.low + r.high)},
+        bounds=lambda r: {
+            "stiffness_Nm_per_rad": (0.0, _STIFFEST_SPRING * r.torque / max(r.span, _LEAST_SPAN)),
+            "rest_rad": (r.low - r.span, r.high + r.span),
+        },
+    ),
+    free_body=TossCandidacy(observable=lambda r: r.joint is not None, bounds=_linked_bounds),
+    plot_against="position",
 )

@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import Confusable, Effect, JointFriction, JointState, Parameter, Params
+from sim.dynamics.hooks import JointFriction, JointState, Params
+from sim.effects.candidacy import MechanismCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
+
+_FASTER = 300.0  # the speed that was reached over the slowest law
+_TYPICAL = 0.1  # of the speed that was reached
 
 
 def _limit(state: JointState, params: Params, direction: FloatArray) -> FloatArray:
@@ -20,11 +25,15 @@ EFFECT = Effect(
     reveals="stick-slip near rest: unexplained torque peaks as the speed passes zero and falls off beyond",
     parameters=(
         Parameter("torque_Nm", "N m (N for sliding joints)", 0.0, 1e3, 0.0),
-        Parameter("velocity_radps", "rad/s (m/s)", 1e-3, 10.0, 0.1),
+        Parameter("velocity_radps", "rad/s (m/s)", 1e-3, 10.0, 0.1, is_shape=True),
     ),
     confusables=(
         Confusable("joint.coulomb_friction", "dwell at very low speeds in both directions"),
         Confusable("joint.detent", "stop at several positions: detents stay in place, stiction moves along"),
     ),
     hook=JointFriction(_limit),
+    mechanism=MechanismCandidacy(
+        bounds=lambda r: {"torque_Nm": (0.0, r.torque), "velocity_radps": (r.speed / _FASTER, r.speed)},
+        start=lambda r: {"velocity_radps": _TYPICAL * r.speed},
+    ),
 )

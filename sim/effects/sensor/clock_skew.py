@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
+from sim.dynamics.hooks import Params, SensorMap, Series
+from sim.effects.candidacy import MechanismCandidacy, TossCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
+
+_CLOCK_FACTORS = (0.7, 1.4)
 
 
 def _report(series: Series, params: Params, where: Place) -> Series:
@@ -31,4 +35,11 @@ EFFECT = Effect(
         Confusable("joint.gravity_load", "time the log with a second clock"),
     ),
     hook=SensorMap(_report, _recover),
+    mechanism=MechanismCandidacy(whole_log=True),
+    free_body=TossCandidacy(
+        bounds=lambda r: {"factor": _CLOCK_FACTORS},
+        direct=("pace_of_falls",),
+        linked_direct=("pace_of_falls",),
+        bounds_from_direct=True,
+    ),
 )

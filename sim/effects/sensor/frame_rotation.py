@@ -7,8 +7,10 @@ from scipy.spatial.transform import Rotation
 
 from schemas.arrays import FloatArray
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
+from sim.dynamics.hooks import Params, SensorMap, Series
+from sim.effects.candidacy import TossCandidacy
 from sim.effects.common.series import with_columns
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _turned(series: Series, R_BS: Rotation) -> Series:
@@ -48,4 +50,6 @@ EFFECT = Effect(
         Confusable("world.gravity_tilt", "rest on several faces: the tilt turns with the body or stays in the world"),
     ),
     hook=SensorMap(_report, _recover),
+    # The frame of which link? A single body answers that, a linkage does not.
+    free_body=TossCandidacy(observable=lambda r: not r.linked, direct=("tilt_at_rest",)),
 )

@@ -8,8 +8,10 @@ import numpy as np
 
 from schemas.arrays import FloatArray
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
+from sim.dynamics.hooks import Params, SensorMap, Series
+from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.common.series import read_at, with_columns
+from sim.effects.effect import Confusable, Effect, Parameter
 
 _READ = ("q", "reading", "qd", "qdd", "p", "quat_wxyz", "v_W", "w_B")
 
@@ -54,4 +56,5 @@ EFFECT = Effect(
         Confusable("actuator.lag", "step the command: a lag rounds the corner"),
     ),
     hook=SensorMap(_report, _recover),
+    mechanism=MechanismCandidacy(observable=lambda r: r.driven),
 )

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
+from sim.dynamics.hooks import Params, SensorMap, Series
+from sim.effects.candidacy import TossCandidacy
 from sim.effects.common.series import with_columns
+from sim.effects.effect import Confusable, Effect, Parameter
 
+_SCALE_FACTORS = (0.7, 1.4)
 _READ = ("q", "reading", "qd", "qdd", "p", "v_W")
 
 
@@ -28,5 +31,13 @@ EFFECT = Effect(
         Confusable("world.gravity_magnitude", "measure a known length: contact heights tell the scale"),
         Confusable("joint.gravity_load", "swing at small and large amplitudes"),
     ),
-    hook=SensorMap(_report, _recover),
+    hook=SensorMap(_report, _recover, spares_joints=True),  # angles are no lengths
+    # A length scale shows in falls and in the height at rest: both must give the same value.
+    free_body=TossCandidacy(
+        bounds=lambda r: {"factor": _SCALE_FACTORS},
+        direct=("length_of_falls", "height_at_rest"),
+        linked_direct=("length_of_falls",),
+        bounds_from_direct=True,
+    ),
+    plot_against="position",
 )

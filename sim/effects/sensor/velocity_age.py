@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from schemas.gap import Place
-from sim.dynamics.hooks import Confusable, Effect, Parameter, Params, SensorMap, Series
+from sim.dynamics.hooks import Params, SensorMap, Series
+from sim.effects.candidacy import MechanismCandidacy, TossCandidacy, never
 from sim.effects.common.series import read_at, with_columns
+from sim.effects.effect import Confusable, Effect, Parameter
 
 _RATES = ("qd", "v_W", "w_B")
 
@@ -28,4 +30,9 @@ EFFECT = Effect(
     parameters=(Parameter("age_s", "s", -0.05, 0.1, 0.0),),
     confusables=(Confusable("world.gravity_magnitude", "compare rates with differences of the positions"),),
     hook=SensorMap(_report, _recover),
+    # Rates of joints come from the positions here, so that their age is known.
+    mechanism=MechanismCandidacy(observable=never),
+    free_body=TossCandidacy(
+        direct=("rates_behind_path",), linked_direct=("rates_behind_common_path",), bounds_from_direct=True
+    ),
 )

@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import BodyState, BodyWrench, Confusable, Effect, Parameter, Params
+from sim.dynamics.hooks import BodyState, BodyWrench, Params
+from sim.effects.candidacy import TossCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
+
+_FORCE_SHARE = 0.5  # of the weight
 
 
 def _wrench(state: BodyState, params: Params) -> tuple[FloatArray, FloatArray]:
@@ -29,4 +33,9 @@ EFFECT = Effect(
         Confusable("world.gravity_magnitude", "change the mass"),
     ),
     hook=BodyWrench(_wrench),
+    free_body=TossCandidacy(
+        bounds=lambda r: {f"{axis}_N": (-_FORCE_SHARE * r.weight_N, _FORCE_SHARE * r.weight_N) for axis in "xyz"},
+        direct=("force_in_flight",),
+        linked_direct=("force_in_flight",),
+    ),
 )

@@ -9,7 +9,9 @@ import numpy as np
 from schemas.gap import Place
 from schemas.physical_constants import GRAVITY_MPS2
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
+from sim.effects.candidacy import TossCandidacy
+from sim.effects.effect import Confusable, Effect, Export, Parameter
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -30,5 +32,12 @@ EFFECT = Effect(
         Confusable("world.linear_drag", "fall longer: drag grows with speed"),
     ),
     hook=ModelChange(_change),
-    usd="physics:gravityMagnitude",
+    free_body=TossCandidacy(
+        null=lambda r: {"gravity_mps2": float(np.linalg.norm(r.body.gravity_W))},
+        bounds=lambda r: {"gravity_mps2": (0.5 * r.gravity_mps2, 1.5 * r.gravity_mps2)},
+        direct=("rate_of_falls",),
+        linked_direct=("rate_of_falls",),
+        bounds_from_direct=True,
+    ),
+    export=Export(usd="physics:gravityMagnitude"),
 )

@@ -8,7 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
-from sim.dynamics.hooks import Confusable, Effect, ModelChange, Parameter, Params
+from sim.dynamics.hooks import ModelChange, Params
+from sim.effects.candidacy import TossCandidacy
+from sim.effects.effect import Confusable, Effect, Export, Parameter
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -31,5 +33,6 @@ EFFECT = Effect(
         Confusable("world.constant_force", "change the mass"),
     ),
     hook=ModelChange(_change),
-    usd="physics:gravityDirection",
+    free_body=TossCandidacy(direct=("drift_of_falls",), linked_direct=("drift_of_falls",)),
+    export=Export(usd="physics:gravityDirection"),
 )

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import BodyState, BodyWrench, Confusable, Effect, Parameter, Params
+from sim.dynamics.hooks import BodyState, BodyWrench, Params
+from sim.effects.candidacy import TossCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _wrench(state: BodyState, params: Params) -> tuple[FloatArray, FloatArray]:
@@ -24,4 +26,9 @@ EFFECT = Effect(
         Confusable("world.gravity_magnitude", "throw upwards and let fall"),
     ),
     hook=BodyWrench(_wrench),
+    free_body=TossCandidacy(
+        bounds=lambda r: {"drag_Nspm": (0.0, r.weight_N / r.speed)},
+        direct=("drag_in_flight",),
+        linked_direct=("drag_in_flight",),
+    ),
 )

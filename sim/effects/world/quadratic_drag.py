@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from sim.dynamics.hooks import BodyState, BodyWrench, Confusable, Effect, Parameter, Params
+from sim.dynamics.hooks import BodyState, BodyWrench, Params
+from sim.effects.candidacy import TossCandidacy
+from sim.effects.effect import Confusable, Effect, Parameter
 
 
 def _wrench(state: BodyState, params: Params) -> tuple[FloatArray, FloatArray]:
@@ -25,4 +27,9 @@ EFFECT = Effect(
         Confusable("world.gravity_magnitude", "throw upwards and let fall"),
     ),
     hook=BodyWrench(_wrench),
+    free_body=TossCandidacy(
+        bounds=lambda r: {"drag_Ns2pm2": (0.0, r.weight_N / r.speed**2)},
+        direct=("quadratic_drag_in_flight",),
+        linked_direct=("quadratic_drag_in_flight",),
+    ),
 )

@@ -14,7 +14,7 @@ from schemas.measurement import MeasurementSpec
 from schemas.physics import CollisionShape, MassProperties
 from sim.dynamics.body_rollout import BodyModel
 from simgap.recording.reading.subject import read_subject
-from simgap.recording.reading.urdf import UrdfLink
+from simgap.recording.reading.urdf import SubjectLink
 
 
 def build_body(spec: MeasurementSpec, root: Path) -> BodyModel:
@@ -40,7 +40,7 @@ def build_body(spec: MeasurementSpec, root: Path) -> BodyModel:
     return _model(spec, shapes, MassProperties(subject.mass_kg, np.array(subject.com_m), inertia))
 
 
-def body_of(spec: MeasurementSpec, link: UrdfLink) -> BodyModel:
+def body_of(spec: MeasurementSpec, link: SubjectLink) -> BodyModel:
     """A link of the subject's URDF as the body; values of `subject` override it. Raises ValueError without mass."""
     subject, mass = spec.subject, link.mass
     if subject.mass_kg is not None:
@@ -58,7 +58,7 @@ def body_of(spec: MeasurementSpec, link: UrdfLink) -> BodyModel:
 
 
 def _model(
-    spec: MeasurementSpec, shapes: tuple[CollisionShape, ...], mass: MassProperties, link: UrdfLink | None = None
+    spec: MeasurementSpec, shapes: tuple[CollisionShape, ...], mass: MassProperties, link: SubjectLink | None = None
 ) -> BodyModel:
     contact, world = spec.subject.contact, spec.world
     said = contact.model_fields_set

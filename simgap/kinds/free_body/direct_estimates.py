@@ -21,7 +21,7 @@ from simgap.kinds.free_body.toss import Toss
 from simgap.problem import Candidate, DirectEstimate
 
 Estimator = Callable[[Toss], "NormalEquations | None"]
-Routes = Mapping[str, tuple[Estimator, ...]]
+Routes = tuple[Estimator, ...]
 _LEAST_EQUATIONS = 3
 _HEAVIEST = 3.0  # times the median toss
 _ROUNDS = 5
@@ -29,52 +29,57 @@ _BLIND = 1e-6
 _KNOWN = 0.003  # share to which lengths, masses and shapes are what their file says
 _ONE_ERRORS = 3.0  # errors within which readings of one number agree
 
-# A length scale shows in falls and in the height at rest: both must give the same value.
-ESTIMATORS: Routes = {
-    "contact.friction": (contact.friction,),
-    "contact.restitution": (contact.restitution,),
-    "contact.anisotropic_friction": (contact.anisotropy,),
-    "body.com_offset": (flight.com_offset,),
-    "body.inertia": (contact.inertia,),
-    "body.size": (contact.size,),
-    "world.gravity_magnitude": (flight.gravity,),
-    "world.gravity_tilt": (flight.tilt,),
-    "world.linear_drag": (flight.linear_drag,),
-    "world.quadratic_drag": (flight.quadratic_drag,),
-    "world.constant_force": (flight.force,),
-    "sensor.scale": (flight.length_scale, contact.size),
-    "sensor.clock_skew": (flight.clock,),
-    "sensor.frame_rotation": (readings.frame_rotation,),
-    "sensor.velocity_age": (readings.velocity_age,),
+# By what they read off a toss; `TossCandidacy.direct` of an effect names them.
+ESTIMATORS: Mapping[str, Estimator] = {
+    "slowing_of_slides": contact.friction,
+    "speeds_about_impacts": contact.restitution,
+    "turn_of_slides": contact.anisotropy,
+    "wobble_in_flight": flight.com_offset,
+    "turn_in_impacts": contact.inertia,
+    "height_at_rest": contact.size,
+    "rate_of_falls": flight.gravity,
+    "drift_of_falls": flight.tilt,
+    "drag_in_flight": flight.linear_drag,
+    "quadratic_drag_in_flight": flight.quadratic_drag,
+    "force_in_flight": flight.force,
+    "length_of_falls": flight.length_scale,
+    "pace_of_falls": flight.clock,
+    "tilt_at_rest": readings.frame_rotation,
+    "rates_behind_path": readings.velocity_age,
 }
+
+
+def routes_to(candidate: Candidate) -> Routes:
+    """The estimators that read the candidate off a toss of a single body."""
+    return tuple(ESTIMATORS[name] for name in candidate.effect.free_body.direct)
 
 
 def estimate(
     candidate: Candidate,
     tosses: Sequence[Toss],
     biases: Sequence[FloatArray] | None = None,
-    routes_to: Routes = ESTIMATORS,
+    routes: Routes | None = None,
 ) -> DirectEstimate | None:
     """The candidate's parameters over all tosses; None where no estimator is or fewer than three tosses give a value.
 
-    `biases` (see `biases_of`) are part of the errors.
+    `biases` (see `biases_of`) are part of the errors; `routes` are those of a single body when left out.
     """
-    estimators, names = routes_to.get(candidate.effect.name, ()), list(candidate.null)
-    routes = []
+    estimators, names = routes_to(candidate) if routes is None else routes, list(candidate.null)
+    pools = []
     for estimator, bias in zip(estimators, biases or [np.zeros(len(names))] * len(estimators), strict=True):
         pooled_estimate = pooled(estimator, tosses)
         if pooled_estimate is not None:
             values, errors, n = (pooled_estimate[0][: len(names)], pooled_estimate[1][: len(names)], pooled_estimate[2])
-            routes.append((values, np.hypot(errors, bias), n))
-    if not routes:
+            pools.append((values, np.hypot(errors, bias), n))
+    if not pools:
         return None
     null = np.array(list(candidate.null.values()))
-    apart = [_estimate(names, values, errors, n, _p_value(values, errors, null, n)) for values, errors, n in routes]
-    if len(routes) == 1:
+    apart = [_estimate(names, values, errors, n, _p_value(values, errors, null, n)) for values, errors, n in pools]
+    if len(pools) == 1:
         return apart[0]
-    p = min(one.p_value for one in apart) * len(routes)
-    values, errors, trials = routes[0]
-    for other, error, n in routes[1:]:
+    p = min(one.p_value for one in apart) * len(pools)
+    values, errors, trials = pools[0]
+    for other, error, n in pools[1:]:
         # Two routes to one number: their mean, with their disagreement as part of its error.
         total = 1.0 / errors**2 + 1.0 / error**2
         middle = (values / errors**2 + other / error**2) / total
@@ -99,7 +104,7 @@ def _estimate(names: Sequence[str], values: FloatArray, errors: FloatArray, tria
 
 
 def biases_of(
-    candidate: Candidate, simulated: Sequence[Sequence[Toss]], routes_to: Routes = ESTIMATORS
+    candidate: Candidate, simulated: Sequence[Sequence[Toss]], routes: Routes | None = None
 ) -> tuple[FloatArray, ...]:
     """(k,) per estimator: what it reads, all the same, off motions in which nothing is hidden.
 
@@ -108,7 +113,7 @@ def biases_of(
     """
     null = np.array(list(candidate.null.values()))
     out = []
-    for estimator in routes_to.get(candidate.effect.name, ()):
+    for estimator in routes_to(candidate) if routes is None else routes:
         read = [r[0][: len(null)] - null for tosses in simulated if (r := pooled(estimator, tosses)) is not None]
         out.append(np.abs(read).max(axis=0) if read else np.zeros(len(null)))
     return tuple(out)

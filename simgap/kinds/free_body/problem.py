@@ -13,11 +13,11 @@ from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.kinds.free_body.bootstrap import bootstrap_sample, simulated_motion
-from simgap.kinds.free_body.candidates import BOUNDS_ALPHA, DIRECTLY_MEASURED
+from simgap.kinds.free_body.candidates import BOUNDS_ALPHA
 from simgap.kinds.free_body.direct_estimates import agree_on_one_value, biases_of, estimate
 from simgap.kinds.free_body.toss import Toss
 from simgap.kinds.free_body.tossed_body import BodySimulator, Columns
-from simgap.problem import Candidate, DirectEstimate, Model, Term, View
+from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term, View
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Trial
 from simgap.recording.train_test_split import split_trials
@@ -30,7 +30,7 @@ _DIRECT_TOLERANCE_SHARE = 0.5  # of the fit, within which a direct estimate repl
 _CLEAR_SHARE, _MOVED = 0.1, 0.01  # shares of the body's size: this far from the support all along, moved less than this
 
 
-class FreeBodyProblem:
+class FreeBodyProblem(Problem):
     """Engine roll-outs against poses; direct estimates from flight, impacts, sliding and rest."""
 
     def __init__(self, measurement: Measurement, simulator: BodySimulator, horizon_s: float = BODY_HORIZON_S) -> None:
@@ -59,6 +59,10 @@ class FreeBodyProblem:
     def channels(self) -> tuple[str, ...]:
         """Position and the rotation vector between simulated and measured, world axes; then joints."""
         return self.simulator.channels
+
+    def channel_units(self) -> tuple[str, ...]:
+        """See `simgap.problem.Problem`."""
+        return self.simulator.channel_units
 
     def candidates(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`."""
@@ -157,7 +161,7 @@ class FreeBodyProblem:
 
     def _with_direct_value(self, term: Term, others: Model, trials: tuple[str, ...]) -> Term:
         candidate = term.candidate
-        if candidate.nuisance or candidate.effect.name not in DIRECTLY_MEASURED:
+        if candidate.nuisance or not candidate.effect.free_body.bounds_from_direct:
             return term
         direct = self._estimate_directly(candidate, others, trials)
         if direct is None or direct.p_value > BOUNDS_ALPHA or not agree_on_one_value(direct.separate_readings):
@@ -194,7 +198,7 @@ class FreeBodyProblem:
         ]
 
     def bootstrap_sample(self, model: Model, seed: int) -> FreeBodyProblem:
-        """See `simgap.inference.parametric_bootstrap.Bootstrappable`; in finer steps, so that their error shows."""
+        """See `simgap.problem.Problem`; in finer steps, so that their error shows."""
         here = self.measurement
         trials = bootstrap_sample(
             self.simulator,

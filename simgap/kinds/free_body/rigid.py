@@ -14,7 +14,7 @@ from sim.dynamics.body_rollout import BodyModel, BodyRollout, BodyWindows
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody, apply_terms
 from simgap.kinds.free_body.candidates import candidates_of, nuisances_of
-from simgap.kinds.free_body.direct_estimates import ESTIMATORS, Routes
+from simgap.kinds.free_body.direct_estimates import Routes, routes_to
 from simgap.kinds.free_body.toss import Toss, corners
 from simgap.kinds.free_body.tossed_body import Columns, DirectEstimator
 from simgap.problem import Candidate, Model
@@ -28,6 +28,7 @@ class RigidBodySimulator:
     state = ("p", "quat_wxyz", "v_W", "w_B")
     read = ("p", "quat_wxyz")
     channels = ("position_x", "position_y", "position_z", "rotation_x", "rotation_y", "rotation_z")
+    channel_units = ("m", "m", "m", "rad", "rad", "rad")
 
     def __init__(self, declared: BodyModel, engine: BodyRollout) -> None:
         self.declared, self.engine = declared, engine
@@ -36,7 +37,7 @@ class RigidBodySimulator:
 
     def routes(self, candidate: Candidate) -> Routes:
         """See `BodySimulator`."""
-        return ESTIMATORS
+        return routes_to(candidate)
 
     def apply(self, model: Model) -> AppliedBody:
         """See `BodySimulator`."""

@@ -45,6 +45,11 @@ class BodySimulator(Protocol):
         ...
 
     @property
+    def channel_units(self) -> tuple[str, ...]:
+        """SI unit of each channel."""
+        ...
+
+    @property
     def channels(self) -> tuple[str, ...]:
         """Names of the errors' columns."""
         ...

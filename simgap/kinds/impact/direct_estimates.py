@@ -21,17 +21,22 @@ from simgap.recording.recording import Impacts
 _KEEPS_SLIDING = 0.3  # least share of the slip that is left where friction acted one way all along
 _PROBE_M = 1e-4
 Row = Callable[[BodyModel, Impacts], Equations]
+Estimator = Callable[[Candidate, BodyModel, Sequence[Impacts]], DirectEstimate | None]
 
 
 def estimate(candidate: Candidate, body: BodyModel, trials: Sequence[Impacts]) -> DirectEstimate | None:
     """The candidate's parameters over all trials; None where no equation holds them."""
-    name = candidate.effect.name
-    if name == "body.com_offset":
-        return _mass_centre(candidate, body, trials)
-    row = _ROWS.get(name)
-    if row is None:
-        return None
-    return regress([row(body, t) for t in trials], tuple(candidate.null), candidate.null)
+    name = candidate.effect.impact.direct
+    return ESTIMATORS[name](candidate, body, trials) if name else None
+
+
+def _by_rows(row: Row) -> Estimator:
+    """The estimator whose equations `row` gives for each trial."""
+
+    def estimator(candidate: Candidate, body: BodyModel, trials: Sequence[Impacts]) -> DirectEstimate | None:
+        return regress([row(body, t) for t in trials], tuple(candidate.null), candidate.null)
+
+    return estimator
 
 
 def _ones(y: FloatArray, x: FloatArray) -> Equations:
@@ -60,13 +65,6 @@ def _inertia(body: BodyModel, events: Impacts) -> Equations:
     seen = impulses(body, events)
     # The lever arm is geometry: it knows nothing of the noise in the velocities.
     return Equations(seen.moment, seen.spin[:, None], seen.normal_arm[:, None])
-
-
-_ROWS: dict[str, Row] = {
-    "contact.restitution": _restitution,
-    "contact.friction": _friction,
-    "body.inertia": _inertia,
-}
 
 
 def _mass_centre(candidate: Candidate, body: BodyModel, trials: Sequence[Impacts]) -> DirectEstimate | None:
@@ -101,3 +99,12 @@ def _moved(body: BodyModel, name: str) -> BodyModel:
 def _imbalance(body: BodyModel, events: Impacts) -> FloatArray:
     seen = impulses(body, events)
     return seen.moment - seen.spin
+
+
+# By what they read; `ImpactCandidacy.direct` of an effect names one.
+ESTIMATORS: dict[str, Estimator] = {
+    "parting_over_approach": _by_rows(_restitution),
+    "sliding_impulse": _by_rows(_friction),
+    "angular_balance": _by_rows(_inertia),
+    "mass_centre": _mass_centre,
+}

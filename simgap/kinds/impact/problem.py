@@ -13,25 +13,23 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from schemas.arrays import FloatArray, IntArray
-from schemas.gap import ConventionCheck, Place
+from schemas.gap import ConventionCheck
 from sim.dynamics.body_rollout import BodyModel
-from sim.effects.library import effect
+from sim.effects.ranges import ImpactRanges
+from simgap.kinds.impact.candidates import candidates_of, nuisances_of
 from simgap.kinds.impact.direct_estimates import estimate
 from simgap.kinds.impact.jacobian_signs import oriented
 from simgap.kinds.impact.model import build_body, changed, predicted
-from simgap.problem import Candidate, DirectEstimate, Model, View
+from simgap.problem import Candidate, DirectEstimate, Model, Problem, View
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Impacts
 from simgap.recording.train_test_split import Trials
 
-# Declared numbers are believed to this share; what lies within is a nuisance, not an effect.
-TOLERANCE = 0.05
 _MOST_TRIALS = 60
 _NEIGHBOURS = 10
-_PAIR = Place(pair="body-support")
 
 
-class ImpactProblem:
+class ImpactProblem(Problem):
     """A rigid impact law against velocities after the impact; direct estimates from impulses."""
 
     horizon_s = 0.0
@@ -62,34 +60,22 @@ class ImpactProblem:
         """Velocity of the tracked point and turning rate after the impact."""
         return ("velocity_x", "velocity_y", "rate")
 
+    def channel_units(self) -> tuple[str, ...]:
+        """See `simgap.problem.Problem`."""
+        return ("m/s", "m/s", "rad/s")
+
+    def as_events(self) -> ImpactProblem:
+        """See `simgap.problem.Problem`."""
+        return self
+
     def candidates(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`. Mass leaves no trace: only its ratio to the inertia acts in an impact."""
-        body = self.declared
-        options = [
-            _single("contact.friction", _PAIR, "mu", body.friction, (0.0, 1.5)),
-            _single("contact.restitution", _PAIR, "restitution", body.restitution, (0.0, 1.0)),
-            _single("body.inertia", Place(body="body"), "factor", 1.0, (0.3, 3.0)),
-        ]
-        if np.isfinite(self.events.pose_before[:, 2]).all():
-            com = {f"{axis}_m": float(v) for axis, v in zip("xyz", body.com_B, strict=True)}
-            # As far as a homogeneous body's mass centre can be from where its inertia says it is.
-            reach = float(np.sqrt(body.inertia_B[2, 2] / body.mass_kg))
-            bounds = {n: (v - reach, v + reach) for n, v in com.items()}
-            bounds["z_m"] = (com["z_m"], com["z_m"] + 1e-12)
-            options.append(Candidate(effect("body.com_offset"), Place(body="body"), com, com, bounds))
-        return tuple(options)
+        has_pose = bool(np.isfinite(self.events.pose_before[:, 2]).all())
+        return candidates_of(ImpactRanges(self.declared, has_pose))
 
     def nuisances(self) -> tuple[Candidate, ...]:
-        """Declared friction and bounce within their tolerance."""
-        out = []
-        for name, parameter, value, half in (
-            ("contact.friction", "mu", self.declared.friction, TOLERANCE * self.declared.friction),
-            ("contact.restitution", "restitution", self.declared.restitution, TOLERANCE),
-        ):
-            if half > 0.0:
-                limits = (max(0.0, value - half), min(1.5, value + half))
-                out.append(replace(_single(name, _PAIR, parameter, value, limits), nuisance=True))
-        return tuple(out)
+        """See `simgap.problem.Problem`."""
+        return nuisances_of(self.declared)
 
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
         """See `simgap.problem.Problem`; m/s and rad/s, a row per event."""
@@ -136,11 +122,6 @@ def _grouped(events: Impacts, ids: Sequence[str], size: int) -> dict[str, Impact
     return {f"events {events.ids[g[0]]} to {events.ids[g[-1]]}": _rows(events, g) for g in groups}
 
 
-def _single(name: str, where: Place, parameter: str, value: float, bounds: tuple[float, float]) -> Candidate:
-    start = {parameter: float(np.clip(value, *bounds))}
-    return Candidate(effect(name), where, {parameter: value}, start, {parameter: bounds})
-
-
 def _rows(events: Impacts, rows: IntArray) -> Impacts:
     arrays = {f.name: getattr(events, f.name)[rows] for f in fields(events) if f.name != "ids"}
     return replace(events, ids=tuple(events.ids[k] for k in rows), **arrays)
@@ -172,7 +153,7 @@ def _noise(measurement: Measurement, events: Impacts) -> FloatArray:
         return np.maximum(declared, least)
     state = _features(events)[:, :-1]
     scaled = (state - state.mean(axis=0)) / (state.std(axis=0) + 1e-12)
-    distance, index = (np.asarray(a) for a in KDTree(scaled).query(scaled, k=near + 1))
+    distance, index = KDTree(scaled).query(scaled, k=near + 1)
     delta = np.median(distance[:, 1:] ** 2, axis=0)
     # Medians, because a few events are tracked wrongly; half of a squared normal difference is 0.4549 variances.
     apart = events.velocity_after[index[:, 1:]] - events.velocity_after[:, None]

@@ -13,7 +13,6 @@ from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.problem import Model, Term
 
 WHOLE = "body"  # the place of effects on all links alike
-_LENGTHS_ONLY = ("sensor.scale",)
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ def _at_joint(hook: SensorMap, declared: LinkageModel, term: Term) -> SensorMap:
     if where.joint is not None:
         joint = joint_index(declared.joints, where)
         return SensorMap(_one_joint(hook.report, joint), _one_joint(hook.recover, joint))
-    if term.candidate.effect.name in _LENGTHS_ONLY:
+    if hook.spares_joints:
         return SensorMap(_without_joints(hook.report), _without_joints(hook.recover))
     return hook
 

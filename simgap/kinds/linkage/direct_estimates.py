@@ -6,43 +6,45 @@ What they transmit is the change of momentum of the links beyond them, about the
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from schemas.arrays import FloatArray
-from simgap.kinds.free_body import contact, flight
-from simgap.kinds.free_body.direct_estimates import Estimator, Routes
+from schemas.gap import Place
+from simgap.kinds.free_body.direct_estimates import ESTIMATORS, Estimator, Routes
 from simgap.kinds.free_body.normal_equations import NormalEquations, of_rows, of_values
 from simgap.kinds.free_body.toss import Toss
 from simgap.kinds.linkage.toss import LinkageToss
 from simgap.problem import Candidate
 
+LinkedEstimator = Callable[[Toss, Place], NormalEquations | None]
 _ROWS = 11  # of a window over which accelerations are read
 _LEAST_FLIGHT_ROWS = 9  # minimum rows of a flight for estimates of momenta
 _STILL_RADPS = 0.5  # a joint that turns slower than this has no sure direction
 
 
+# By what they read, at which place; `TossCandidacy.linked_direct` of an effect names them.
+LINKED_ESTIMATORS: Mapping[str, LinkedEstimator] = {
+    "rates_behind_common_path": lambda toss, where: velocity_age(toss),
+    "mass_of_link": lambda toss, where: mass(_linkage(toss), _link(toss, where.body)),
+    "wobble_of_link": lambda toss, where: com_offset(_linkage(toss), _link(toss, where.body)),
+    "spin_of_link": lambda toss, where: inertia(_linkage(toss), _link(toss, where.body)),
+    "viscous_effort": lambda toss, where: _joint(toss, where.joint, _viscous),
+    "dry_effort": lambda toss, where: _joint(toss, where.joint, _dry),
+}
+
+
 def routes_to(candidate: Candidate) -> Routes:
-    """The estimators for a candidate at its link or joint."""
-    where, name = candidate.where, candidate.effect.name
-    plain: dict[str, tuple[Estimator, ...]] = {
-        "contact.friction": (contact.friction,),
-        "world.gravity_magnitude": (flight.gravity,),
-        "world.gravity_tilt": (flight.tilt,),
-        "world.linear_drag": (flight.linear_drag,),
-        "world.quadratic_drag": (flight.quadratic_drag,),
-        "world.constant_force": (flight.force,),
-        "sensor.scale": (flight.length_scale,),
-        "sensor.clock_skew": (flight.clock,),
-        "sensor.velocity_age": (velocity_age,),
-        "body.mass": (lambda toss: mass(_linkage(toss), _link(toss, where.body)),),
-        "body.com_offset": (lambda toss: com_offset(_linkage(toss), _link(toss, where.body)),),
-        "body.inertia": (lambda toss: inertia(_linkage(toss), _link(toss, where.body)),),
-        "joint.viscous_friction": (lambda toss: _joint(toss, where.joint, _viscous),),
-        "joint.coulomb_friction": (lambda toss: _joint(toss, where.joint, _dry),),
-    }
-    return {name: plain[name]} if name in plain else {}
+    """The estimators for a candidate at its link or joint; those of falls and slides are those of a single body."""
+    return tuple(
+        ESTIMATORS[name] if name in ESTIMATORS else _at(candidate.where, LINKED_ESTIMATORS[name])
+        for name in candidate.effect.free_body.linked_direct
+    )
+
+
+def _at(where: Place, estimator: LinkedEstimator) -> Estimator:
+    return lambda toss: estimator(toss, where)
 
 
 def velocity_age(toss: Toss) -> NormalEquations | None:

@@ -36,7 +36,9 @@ class LinkageSimulator:
     def __init__(self, declared: LinkageModel, engine: LinkageRollout) -> None:
         self.declared, self.engine = declared, engine
         self.has_support = declared.base.has_support
-        self.channels = (*RigidBodySimulator.channels, *(f"q_{link.name}" for link in declared.joints.tree))
+        tree = declared.joints.tree
+        self.channels = (*RigidBodySimulator.channels, *(f"q_{link.name}" for link in tree))
+        self.channel_units = (*RigidBodySimulator.channel_units, *("m" if link.prismatic else "rad" for link in tree))
         self.size_m = max(
             float(np.ptp(corners(s), axis=0).max()) for s in (declared.base.shapes, *declared.shapes) if s
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from schemas.arrays import FloatArray
 from schemas.gap import Place
 from sim.dynamics.hooks import CommandMap, ModelChange, Params, SensorMap, Series
 from sim.dynamics.mechanism import Law, MechanismModel
@@ -38,6 +39,23 @@ class Applied:
         for hook, params, where in reversed(self.sensors):
             series = hook.recover(series, params, where)
         return series
+
+    @property
+    def has_memory(self) -> bool:
+        """Whether the reading of some sensor depends on earlier motion."""
+        return any(hook.follow is not None for hook, _, _ in self.sensors)
+
+    def without_memory(self, series: Series) -> Series:
+        """What roll-outs are compared with: readings with those sensors inverted that have no memory."""
+        for hook, params, where in reversed(self.sensors):
+            series = series if hook.follow else hook.recover(series, params, where)
+        return series
+
+    def followed(self, t_s: FloatArray, q: FloatArray, start: FloatArray) -> FloatArray:
+        """What sensors with memory make of true positions (w, k, j) at t_s (w, k), from readings `start` (w, j)."""
+        for hook, params, _ in self.sensors:
+            q = hook.follow(t_s, q, start, params) if hook.follow else q
+        return q
 
     def reported(self, series: Series) -> Series:
         """Truth as it would be read."""

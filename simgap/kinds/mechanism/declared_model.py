@@ -20,7 +20,7 @@ from schemas.measurement import Actuation, Joint, MeasurementSpec
 from sim.dynamics.mechanism import Drive, MechanismModel
 from sim.dynamics.tree import Link, Tree
 from simgap.recording.reading.subject import read_subject
-from simgap.recording.reading.urdf import UrdfModel
+from simgap.recording.reading.urdf import SubjectModel
 
 _LEAST_INERTIA = 1e-9
 
@@ -43,7 +43,7 @@ def build_mechanism(spec: MeasurementSpec, root: Path) -> MechanismModel:
     )
 
 
-def urdf_mechanism(urdf: UrdfModel, gravity_W: FloatArray, X_WB: FloatArray) -> MechanismModel:
+def urdf_mechanism(urdf: SubjectModel, gravity_W: FloatArray, X_WB: FloatArray) -> MechanismModel:
     """Links and joints of a URDF, its root at X_WB (4, 4). Raises ValueError for a link without mass."""
     if not urdf.joints:
         raise ValueError("the URDF has no movable joints")

@@ -34,12 +34,14 @@ class FreeInitialStates:
     start_sensitivity  (w, c * j, s) change of the errors per standard deviation of each of s initial values
     start_gain         (w, s, c * j) least-squares estimate of the initial values from errors, in standard deviations
     step_error         (w, c, j) change of the compared positions in the limit of small steps
+    noise              (w, j) of what is compared
     q0, qd0            (w, j) offsets of the linearisation point from the readings
     """
 
     start_sensitivity: FloatArray
     start_gain: FloatArray
     step_error: FloatArray
+    noise: FloatArray
     q0: FloatArray
     qd0: FloatArray
 
@@ -47,6 +49,14 @@ class FreeInitialStates:
         """(w, c, j) errors with the step error added and the best initial states projected out."""
         flat = (errors + self.step_error).reshape(len(errors), -1, 1)
         return (flat - self.start_sensitivity @ (self.start_gain @ flat)).reshape(errors.shape)
+
+    def with_sensor_state(self, fading: FloatArray) -> FreeInitialStates:
+        """With the start of each joint's sensor free as well; `fading` (w, c, j): what a deviation of it changes."""
+        windows, compared, joints = fading.shape
+        by_joint = fading[..., None] * np.eye(joints)
+        known = self.start_sensitivity.reshape(windows, compared, joints, -1)
+        both = linearised_initial_states(np.concatenate([known, by_joint], axis=3), self.noise, self.step_error)
+        return replace(both, q0=self.q0, qd0=self.qd0)
 
 
 def linearised_initial_states(changes: FloatArray, noise: FloatArray, step_error: FloatArray) -> FreeInitialStates:
@@ -56,7 +66,7 @@ def linearised_initial_states(changes: FloatArray, noise: FloatArray, step_error
     weighted = np.swapaxes(start_sensitivity, 1, 2) / np.tile(noise**2, compared)[:, None]
     start_gain = np.linalg.solve(weighted @ start_sensitivity + _HELD * np.eye(numbers), weighted)
     start_gain = start_gain.astype(np.float64, copy=False)
-    return FreeInitialStates(start_sensitivity, start_gain, step_error, *np.zeros((2, windows, joints)))
+    return FreeInitialStates(start_sensitivity, start_gain, step_error, noise, *np.zeros((2, windows, joints)))
 
 
 def initial_states_of(
@@ -86,12 +96,16 @@ def initial_states_of(
 
 @dataclass(frozen=True)
 class _InitialStates:
-    """Windows (w) of all trials under one model, with noise of starts (w, j) and of what is compared (w, j)."""
+    """Windows (w) of all trials under one model, with noise of starts (w, j) and of what is compared (w, j).
+
+    read, first_read   (w, c, j) and (w, j): readings that are compared, and those at the first rows.
+    """
 
     applied: Applied
     windows: Windows
     cuts: Sequence[Cut]
     read: FloatArray
+    first_read: FloatArray
     noise_q: FloatArray
     noise_qd: FloatArray
     noise: FloatArray
@@ -102,7 +116,8 @@ class _InitialStates:
         applied: Applied, logs: Sequence[Series], cuts: Sequence[Cut], smooth: Sequence[Smooth], step_s: float
     ) -> _InitialStates:
         pieces = [(applied.recovered(log), piece) for log, piece in zip(logs, cuts, strict=True)]
-        read = [piece.of(series.columns[piece.column][piece.rows]) for series, piece in pieces]
+        compared = [(applied.without_memory(log), piece) for log, piece in zip(logs, cuts, strict=True)]
+        read = [piece.of(series.columns[piece.column][piece.rows]) for series, piece in compared]
         rows = [len(piece.rows) for piece in cuts]
 
         def by_window(each: Sequence[FloatArray]) -> FloatArray:
@@ -113,6 +128,7 @@ class _InitialStates:
             windows_of(pieces, applied),
             cuts,
             np.concatenate(read),
+            np.concatenate([series.columns["q"][piece.rows[:, 0]] for series, piece in compared]),
             noise_q=by_window([s.noise_gain * s.q_noise for s in smooth]),
             noise_qd=by_window([s.qd_noise for s in smooth]),
             noise=by_window([mean_noise(s, piece) for s, piece in zip(smooth, cuts, strict=True)]),
@@ -132,7 +148,8 @@ class _InitialStates:
         """(m, w, c, j) what is compared of those positions."""
         q, _ = self.rolled(start_offsets, finer)
         ends = np.cumsum([len(c.rows) for c in self.cuts])[:-1]
-        return np.stack([_seen(np.split(one, ends), self.cuts) for one in q])
+        seen = (self.applied.followed(self.windows.t_s, one, self.first_read) for one in q)
+        return np.stack([_seen(np.split(one, ends), self.cuts) for one in seen])
 
     def step_error(self, start_offsets: FloatArray) -> FloatArray:
         """(w, c, j) what steps without length would change."""

@@ -14,9 +14,10 @@ import numpy as np
 from scipy import stats
 
 from schemas.arrays import FloatArray
+from sim.effects.ranges import SUPPORT_PAIR
 from simgap.inference.cluster_regression import Equations, regress
 from simgap.kinds.push.footprint import nearest
-from simgap.kinds.push.model import SUPPORT, PushModel
+from simgap.kinds.push.model import PushModel
 from simgap.kinds.push.records import Records
 from simgap.kinds.push.sliding import plane_rotations
 from simgap.problem import Candidate, DirectEstimate
@@ -66,10 +67,10 @@ def moves(model: PushModel, records: Records) -> Moves:
 
 def estimate(candidate: Candidate, model: PushModel, records: Sequence[Records]) -> DirectEstimate | None:
     """The candidate's parameters over all pushes; None where no equation holds them."""
-    work = _ROUTES.get(candidate.effect.name)
-    if work is None or (candidate.where.pair not in (None, SUPPORT)):
+    name = candidate.effect.push.direct
+    if not name or candidate.where.pair not in (None, SUPPORT_PAIR):
         return None
-    return work(candidate, model, [moves(model, r) for r in records])
+    return ESTIMATORS[name](candidate, model, [moves(model, r) for r in records])
 
 
 def _level(model: PushModel, seen: Moves) -> FloatArray:
@@ -152,10 +153,11 @@ def _transformed(
     return replace(estimate, values={name: value}, standard_errors={name: width}, p_value=p)
 
 
-_ROUTES: dict[str, Callable[[Candidate, PushModel, Sequence[Moves]], DirectEstimate | None]] = {
-    "contact.friction": _friction,
-    "contact.anisotropic_friction": _anisotropy,
-    "contact.spinning_friction": _spinning,
-    "body.com_offset": _mass_centre,
-    "body.mass": _mass,
+# By what they read; `PushCandidacy.direct` of an effect names one.
+ESTIMATORS: dict[str, Callable[[Candidate, PushModel, Sequence[Moves]], DirectEstimate | None]] = {
+    "level_of_force": _friction,
+    "move_across_force": _anisotropy,
+    "turn_over_slide": _spinning,
+    "mass_centre": _mass_centre,
+    "mass": _mass,
 }

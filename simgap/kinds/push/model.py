@@ -10,10 +10,9 @@ import numpy as np
 from schemas.arrays import FloatArray
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import ModelChange
+from sim.effects.ranges import PUSHER_PAIR
 from simgap.problem import Model
 
-PUSHER = "body-pusher"
-SUPPORT = "body-support"
 _CENTRES = (0.5, 0.75, 1.0, 1.5, 2.0, 3.0)  # distances of the centre of rotation over the mean distance of the load
 
 
@@ -81,7 +80,7 @@ def changed(declared: PushModel, model: Model) -> PushModel:
     """`declared` with the terms of `model` in their order. Raises ValueError for effects that do not act on pushes."""
     for term in model:
         hook, where = term.candidate.effect.hook, term.candidate.where
-        if where.pair == PUSHER:
+        if where.pair == PUSHER_PAIR:
             declared = replace(declared, pusher_friction=term.values["mu"])
         elif isinstance(hook, ModelChange):
             declared = replace(declared, body=hook.change(declared.body, term.values, where))

@@ -6,31 +6,29 @@ Poses are known before and after only: short horizon and full roll-out are the s
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
 
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import ConventionCheck, Place
+from schemas.gap import ConventionCheck
 from sim.dynamics.body_rollout import BodyModel
-from sim.effects.library import effect
+from simgap.kinds.push.candidates import candidates_of, nuisances_of, ranges_of
 from simgap.kinds.push.direct_estimates import estimate
 from simgap.kinds.push.footprint import even_points, outlines, vertices_of
-from simgap.kinds.push.model import PUSHER, SUPPORT, PushModel, changed
+from simgap.kinds.push.model import PushModel, changed
 from simgap.kinds.push.records import PATH_STEPS, STEADY_FROM_SHARE, Records, end_distance, record, upright
 from simgap.kinds.push.sliding import plane_rotations, simulate_pushes
-from simgap.problem import Candidate, DirectEstimate, Model, View
+from simgap.problem import Candidate, DirectEstimate, Model, Problem, View
 from simgap.recording.read import Measurement
 
-PRESSURE = 0.15  # share within which an even pressure is believed: it is assumed, and no limit surface is an ellipsoid
-_PUSHER_FRICTION = (0.02, 1.2)
 _LEAST_M, _LEAST_N = 1e-5, 1e-3
 _WORKS = 0.8  # least share of pushes whose force must do work
 _LEVEL = 0.02  # largest slope of the support, rad
 _TILTED = 0.2  # largest tilt of the tracked axes, rad
 
 
-class PushProblem:
+class PushProblem(Problem):
     """Quasi-static pushing against the pose after and the steady force; direct estimates from forces and moves."""
 
     horizon_s = 0.0
@@ -58,38 +56,21 @@ class PushProblem:
         pose = ("position_x", "position_y", "rotation")
         return (*pose, "force_x", "force_y") if self._has_force else pose
 
+    def channel_units(self) -> tuple[str, ...]:
+        """See `simgap.problem.Problem`."""
+        return ("m", "m", "rad", "N", "N")[: len(self.channels())]
+
+    def as_events(self) -> PushProblem:
+        """See `simgap.problem.Problem`."""
+        return self
+
     def candidates(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`. Without forces the resistance of the support is unknown."""
-        body = self.declared.body
-        lever = self.declared.lever_m
-        pair, whole = Place(pair=SUPPORT), Place(body="body")
-        options: list[Candidate] = []
-        if self._has_force:
-            options.append(_single("contact.friction", pair, "mu", body.friction, (0.0, 1.5)))
-        # What resists spinning follows from the pressure under the body, which is only assumed to be even.
-        spin = self.declared.reference_friction * lever
-        options.append(_single("contact.spinning_friction", pair, "lever_m", spin, (0.2 * spin, 3.0 * spin)))
-        options.append(_single("contact.anisotropic_friction", pair, "ratio", 1.0, (0.25, 4.0)))
-        if self._has_force:
-            mass = body.mass_kg
-            options.append(_single("body.mass", whole, "mass_kg", mass, (0.2 * mass, 5.0 * mass)))
-        com = {f"{axis}_m": float(v) for axis, v in zip("xyz", body.com_B, strict=True)}
-        low, high = self.declared.points.min(axis=0), self.declared.points.max(axis=0)
-        bounds = {"x_m": (float(low[0]), float(high[0])), "y_m": (float(low[1]), float(high[1]))}
-        bounds["z_m"] = (com["z_m"], com["z_m"] + 1e-12)
-        options.append(Candidate(effect("body.com_offset"), whole, com, com, bounds))
-        return tuple(options)
+        return candidates_of(ranges_of(self.declared, self._has_force))
 
     def nuisances(self) -> tuple[Candidate, ...]:
-        """The assumed pressure within its tolerance, and the pusher's friction, which is declared nowhere.
-
-        Not that of the support: beside it, mass would be a second name for one number, and neither could be doubted.
-        """
-        pusher = _single("contact.friction", Place(pair=PUSHER), "mu", self.declared.pusher_friction, _PUSHER_FRICTION)
-        lever = self.declared.reference_friction * self.declared.lever_m
-        limits = ((1.0 - PRESSURE) * lever, (1.0 + PRESSURE) * lever)
-        spin = _single("contact.spinning_friction", Place(pair=SUPPORT), "lever_m", lever, limits)
-        return replace(pusher, nuisance=True), replace(spin, nuisance=True)
+        """See `simgap.problem.Problem`: the assumed pressure, and the pusher's friction, which is declared nowhere."""
+        return nuisances_of(ranges_of(self.declared, self._has_force))
 
     def residuals(self, model: Model, trials: Sequence[str], view: View) -> list[FloatArray]:
         """See `simgap.problem.Problem`; m, rad and N, one row per push."""
@@ -199,8 +180,3 @@ def _declared(measurement: Measurement, whole: Records) -> PushModel:
     standoff = max(float(np.median(end_distance(outline, whole))), 0.0)
     friction = subject.contact.friction
     return PushModel(body, outline, even_points(foot), friction, max(friction, 1e-3), standoff)
-
-
-def _single(name: str, where: Place, parameter: str, value: float, bounds: tuple[float, float]) -> Candidate:
-    start = {parameter: float(np.clip(value, *bounds))}
-    return Candidate(effect(name), where, {parameter: value}, start, {parameter: bounds})

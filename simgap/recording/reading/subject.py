@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+from formats import read_urdf
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.measurement import MeasurementSpec, Subject
 from simgap.recording.reading.folder import inside
-from simgap.recording.reading.urdf import UrdfModel, movable_joints, parse_urdf, read_urdf
+from simgap.recording.reading.urdf import SubjectModel, movable_joints, read_description, subject_model
 from simgap.recording.reading.yaml_text import YamlDocument
 
 
@@ -43,11 +44,11 @@ def subject_joints(root: Path, subject: Subject, document: YamlDocument) -> tupl
         return tuple(JointInfo(j.name, j.type == "revolute") for j in subject.joints)
     if subject.urdf is not None:
         place = document.place(("subject", "urdf"))
-        return _urdf_joints(inside(root, subject.urdf, place), subject.urdf, document)
+        return _urdf_joints(inside(root, subject.urdf, place), root, document)
     if subject.package is not None:
         place = document.place(("subject", "package"))
         twins = sorted(inside(root, subject.package, place).glob("export/*.urdf"))
-        return _urdf_joints(twins[0], f"{subject.package}/export/{twins[0].name}", document) if twins else ()
+        return _urdf_joints(twins[0], root, document) if twins else ()
     return ()
 
 
@@ -81,20 +82,22 @@ def subject_findings(spec: MeasurementSpec, document: YamlDocument) -> tuple[Dia
     return tuple(findings)
 
 
-def read_subject(subject: Subject, root: Path) -> UrdfModel:
+def read_subject(subject: Subject, root: Path) -> SubjectModel:
     """The model of a subject given as `urdf` or `package` (its URDF twin). Raises ValueError with the reason."""
     if subject.urdf is not None:
-        return read_urdf(root / subject.urdf, root)
+        return subject_model(read_description(root / subject.urdf, root), root)
     twins = sorted((root / (subject.package or "")).glob("export/*.urdf"))
     if subject.package is None or not twins:
         raise ValueError("the subject has neither a URDF nor a package with one in export/")
-    return read_urdf(twins[0], root)
+    return subject_model(read_description(twins[0], root), root)
 
 
-def _urdf_joints(path: Path, relative: str, document: YamlDocument) -> tuple[JointInfo, ...]:
+def _urdf_joints(path: Path, root: Path, document: YamlDocument) -> tuple[JointInfo, ...]:
     where = document.place(("subject", "urdf"))
     try:
-        robot = parse_urdf(path)
-    except ValueError as error:
-        raise InvalidInput(finding("gap/unreadable-subject", f"{relative}: {error}", where=where)) from None
-    return tuple(JointInfo(j.get("name", ""), j.get("type") != "prismatic") for j in movable_joints(robot))
+        description = read_urdf(path, root)
+    except InvalidInput as refused:
+        cause = refused.diagnostic
+        headline = f"{cause.where}: {cause.headline}"
+        raise InvalidInput(finding("gap/unreadable-subject", headline, where=where, because=(cause,))) from None
+    return tuple(JointInfo(j.name, j.kind != "prismatic") for j in movable_joints(description))

@@ -13,7 +13,7 @@ import numpy as np
 
 from schemas.arrays import FloatArray
 from schemas.diagnostics import InvalidInput, Location, finding
-from schemas.zip_damage import ZIP_DAMAGE
+from schemas.files.zip_damage import ZIP_DAMAGE
 
 MAX_TABLE_BYTES = 512_000_000  # of one file, and of its arrays when unpacked
 SUFFIXES = (".csv", ".parquet", ".npz")

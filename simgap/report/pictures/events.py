@@ -8,8 +8,7 @@ import numpy as np
 
 from render.figure import figure, png, style_axes
 from schemas.arrays import FloatArray
-from simgap.kinds.event_problem import EventProblem
-from simgap.problem import Model
+from simgap.problem import EventProblem, Model
 from simgap.report.pictures.colours import DECLARED, EXTENDED, MEASURED
 
 _SHOWN_SPREADS = 4.0  # robust spreads of the readings that are shown around their median

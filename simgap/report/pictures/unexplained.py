@@ -9,38 +9,30 @@ import numpy as np
 from render.figure import figure, png, style_axes
 from schemas.arrays import FloatArray
 from schemas.gap import Place
+from sim.dynamics.mechanism import MechanismModel
+from sim.effects.library import effect
 from simgap.kinds.mechanism.equation_error import balance
 from simgap.kinds.mechanism.logs import Log, log_of
-from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.problem import Model
 from simgap.recording.read import Measurement
 from simgap.report.pictures.colours import EXTENDED, MEASURED
 
 _BINS = 40
 _MOST_POINTS = 4000
-_BY_POSITION = (
-    "joint.spring",
-    "joint.detent",
-    "joint.hard_stop",
-    "joint.axis_tilt",
-    "joint.gravity_load",
-    "sensor.scale",
-)
-_BY_INPUT = ("actuator.gain", "actuator.saturation", "actuator.deadband", "actuator.ripple")
 
 
 def unexplained(
-    problem: MechanismProblem, measurement: Measurement, model: Model, name: str, where: Place, trials: Sequence[str]
+    declared: MechanismModel, measurement: Measurement, model: Model, name: str, where: Place, trials: Sequence[str]
 ) -> bytes | None:
     """PNG for the effect `name` of `model`; None where the blocks of the recording cannot be distinguished."""
     logs = [log_of(t) for t in measurement.trials if t.id in set(trials)]
-    effort = balance(problem.declared, logs)
-    joint = next((j for j, link in enumerate(problem.declared.tree) if link.name == where.joint), 0)
+    effort = balance(declared, logs)
+    joint = next((j for j, link in enumerate(declared.tree) if link.name == where.joint), 0)
     without, with_law = (np.concatenate([e[:, joint] for e in effort(m)[0]]) for m in ((), model))
-    state, words = _feature(problem, logs, joint, name)
+    state, words = _feature(declared, logs, joint, name)
     if len(state) != len(without):
         return None
-    link = problem.declared.tree[joint]
+    link = declared.tree[joint]
     unit = "N" if link.prismatic else "N m"
     canvas = figure(8.0, 4.4)
     axes = canvas.subplots()
@@ -59,13 +51,14 @@ def unexplained(
     return png(canvas)
 
 
-def _feature(problem: MechanismProblem, logs: Sequence[Log], joint: int, name: str) -> tuple[FloatArray, str]:
+def _feature(declared: MechanismModel, logs: Sequence[Log], joint: int, name: str) -> tuple[FloatArray, str]:
     """Block means of the state that the effect depends on, and its words."""
-    slides = problem.declared.tree[joint].prismatic
+    slides = declared.tree[joint].prismatic
     given = next((c for c in ("effort", "command") if c in logs[0].series.columns), None)
-    if name in _BY_POSITION:
+    against = effect(name).plot_against
+    if against == "position":
         pick, words = (lambda log: log.series.columns["q"][:, joint]), f"position ({'m' if slides else 'rad'})"
-    elif name in _BY_INPUT and given is not None:
+    elif against == "input" and given is not None:
         pick, words = (lambda log: log.series.columns[given][:, joint]), f"{given} as logged"
     else:
         pick, words = (lambda log: log.series.columns["qd"][:, joint]), f"speed ({'m/s' if slides else 'rad/s'})"

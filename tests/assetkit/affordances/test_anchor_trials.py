@@ -12,6 +12,7 @@ from assetkit.affordances.anchors import propose_anchors
 from assetkit.colliders.choose import choose_colliders
 from geom.features.cavities import find_cavities
 from geom.pose import pose
+from schemas.anchors import SupportSurface
 from schemas.physics import CollisionShape, Solid
 from sim.bullet.simulator import BulletSimulator
 from sim.fake import FakeSimulator
@@ -92,6 +93,7 @@ def test_anchor_frames_have_the_axes_of_the_asset_and_lie_in_the_middle_of_the_p
     (top,) = proposals(solid_of(table().translate((0.3, -0.2, 0.0))))
     assert top.position_m == pytest.approx((0.3, -0.2, 0.75), abs=1e-6)
     assert top.quat_wxyz == (1.0, 0.0, 0.0, 0.0)
+    assert isinstance(top, SupportSurface)
     outline = np.array(top.polygon.outline_m)
     assert outline.min(axis=0) == pytest.approx([-0.6, -0.4])
     assert outline.max(axis=0) == pytest.approx([0.6, 0.4])

@@ -226,7 +226,7 @@ def test_settings_that_a_model_does_not_know_are_left_out():
 
 @pytest.mark.parametrize("stranger", ["../../etc/passwd", "Mug", "coffee mug", "firearm", "mug\u202e", "", "mug;bowl"])
 def test_only_the_vocabulary_gets_in(stranger: str):
-    text = answer(**{stranger: 0.99, "bowl": 0.2}, roles={"weapon": 0.9, "tool": 0.4})
+    text = answer(**{stranger: 0.99, "bowl": 0.2}, roles={"weapon": 0.9, "tool": 0.4}, description="A vessel.")
     with endpoint(says(openai(text))) as server:
         annotation = asking(server).annotate(seen())
     assert annotation.endpoint_result is not None
@@ -285,7 +285,7 @@ def test_what_is_no_answer_is_not_kept(tmp_path: Path):
 
 
 def weighed(evidence: Observation, **categories_seen: float) -> Annotation:
-    endpoint_answer = read_answer(answer(**categories_seen), "looker", {})
+    endpoint_answer = read_answer(answer(roles=None, description="A vessel.", **categories_seen), "looker", {})
     return weigh(EmbeddedAnnotator().annotate(evidence), EndpointResult(endpoint_answer, EndpointUse()), evidence.shape)
 
 

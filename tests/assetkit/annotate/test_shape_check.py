@@ -19,10 +19,12 @@ def solid(mesh: trimesh.Trimesh) -> tuple[np.ndarray, Solid]:
 
 @pytest.mark.parametrize("category", ALL, ids=lambda c: c.id)
 def test_a_thing_in_the_middle_of_its_ranges_fits_and_one_of_ten_times_the_largest_is_another(category: Category):
-    usual = tuple(float(np.sqrt(low * high)) for low, high in category.extents_m)
+    x, y, z = (float(np.sqrt(low * high)) for low, high in category.extents_m)
+    usual = (x, y, z)
     assert misfit(category, usual) == 1.0
     assert [f.confirms for f in compare(category, ObjectShape(usual, None, None))] == [FITS]
-    giant = tuple(10.0 * high for _, high in category.extents_m)
+    x, y, z = (10.0 * high for _, high in category.extents_m)
+    giant = (x, y, z)
     assert [f.remaining_chance for f in compare(category, ObjectShape(giant, None, None))] == [ANOTHER]
 
 

@@ -128,7 +128,7 @@ def test_an_empty_value_withdraws_a_statement(mug: Path):
 
 def test_a_decision_follows_the_content_and_not_the_name(mug: Path, tmp_path: Path):
     made = decision(mug, set={"units": "mm"})
-    moved = shutil.copy(mug, tmp_path / "cup.obj")
+    moved = Path(shutil.copy(mug, tmp_path / "cup.obj"))
     assert decided(moved, made).of_object(1).units == "mm"
     mug.write_text("changed")
     options = decided(mug, made)

@@ -40,7 +40,7 @@ def basket() -> Manifold:
 
 def bottle() -> Manifold:
     outside = [(0, 0), (0.035, 0), (0.035, 0.12), (0.015, 0.16), (0.015, 0.2), (0.011, 0.2), (0.011, 0.16)]
-    return Manifold.revolve(CrossSection([[*outside, (0.031, 0.12), (0.031, 0.004), (0, 0.004)]]), 24)
+    return Manifold.revolve(CrossSection([np.array([*outside, (0.031, 0.12), (0.031, 0.004), (0, 0.004)])]), 24)
 
 
 def drawer() -> Manifold:

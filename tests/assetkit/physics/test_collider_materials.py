@@ -1,8 +1,5 @@
 """Every collider touches as the part that it stands for, in the USD, the URDF twin and the record."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pathlib import Path
@@ -15,10 +12,11 @@ from pxr import Usd, UsdPhysics
 from scipy.spatial.transform import Rotation
 
 from assetkit.mass.parts import MassEvidenceInputs
-from assetkit.package.write_urdf import DRAKE, rewrite_urdf, write_urdf
+from assetkit.package.write_urdf import rewrite_urdf, write_urdf
 from assetkit.physics.build import PhysicsResult, build_physics
 from assetkit.physics.collider_materials import surface_shares
 from assetkit.taxonomy.material_classes import materials
+from formats.urdf.write import DRAKE
 from geom.convex.support_function import surface as surface_of
 from geom.solid.solidify import solidify
 from schemas.evidence import inferred

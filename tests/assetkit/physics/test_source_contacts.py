@@ -12,6 +12,7 @@ from schemas.evidence import default, inferred
 from schemas.model import Mesh
 from schemas.stated_physics import StatedContact
 from tests.support.package_samples import box_mesh
+from tests.support.present import present
 
 WOOD = inferred("wood", "test", 0.4)
 ROW = materials()["wood"]
@@ -33,7 +34,7 @@ def test_a_complete_statement_is_kept_as_it_is():
     assert (contact.static_friction, contact.dynamic_friction, contact.restitution) == (0.8, 0.6, 0.0)
     assert (contact.combine, contact.counterpart, evidence.source) == ("minimum", "any", "declared")
     assert evidence.inputs == ("/a",)
-    low, high = evidence.bounds
+    low, high = present(evidence.bounds)
     assert low.static_friction < 0.8 < high.static_friction
 
 

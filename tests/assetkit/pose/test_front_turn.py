@@ -22,6 +22,7 @@ from schemas.arrays import FloatArray
 from schemas.evidence import declared, default, inferred, measured
 from schemas.model import Mesh, Model
 from sim.fake import FakeSimulator
+from tests.support.present import present
 
 MADE = {t.name: t for t in things(seed=3, draws=1)}
 
@@ -57,7 +58,7 @@ def test_a_turned_source_gives_the_same_object(tmp_path: Path) -> None:
     assert np.ptp(released(straight), axis=0) == pytest.approx(np.ptp(points, axis=0), abs=1e-12)
     points, turned = observed(tmp_path, "mug", np.radians(31.0))
     assert np.abs(released(turned) - released(straight)).max() < 1e-4
-    front = turned[Interaction].front
+    front = present(turned[Interaction].front)
     assert front.direction.value == (1.0, 0.0, 0.0)
     assert front.direction.confidence > 0.5
     ends = [[(p.value.low_m, p.value.high_m) for p in d[Interaction].parts] for d in (straight, turned)]
@@ -70,7 +71,7 @@ def test_a_turned_source_gives_the_same_object(tmp_path: Path) -> None:
 def test_what_has_no_front_keeps_its_heading(tmp_path: Path) -> None:
     points, draft = observed(tmp_path, "tumbler called mug", 0.4)
     assert draft.frame is None
-    assert draft[Interaction].front.direction.confidence == 0.0
+    assert present(draft[Interaction].front).direction.confidence == 0.0
     assert np.allclose(np.ptp(released(draft), axis=0), np.ptp(points, axis=0), atol=1e-9)
 
 

@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from assetkit.pose.up_axis import TO_Z_UP, decide_up_axis
-from schemas.evidence import declared, default
+from schemas.evidence import Evidence, declared, default
+from schemas.model import Axis
 
 
 @pytest.mark.parametrize("axis", ["x", "y", "z"])
-def test_rotations_bring_the_axis_up_and_keep_handedness(axis: str):
-    R = TO_Z_UP[axis]  # pyright: ignore[reportArgumentType]
+def test_rotations_bring_the_axis_up_and_keep_handedness(axis: Axis):
+    R = TO_Z_UP[axis]
     assert np.array_equal(R @ np.eye(3)["xyz".index(axis)], [0, 0, 1])
     assert np.linalg.det(R) == 1.0
     assert np.array_equal(R @ R.T, np.eye(3))
@@ -43,7 +44,7 @@ def test_declared_axis_that_texts_confirm_needs_no_word():
 
 
 def test_a_text_overrules_what_a_standard_implies():
-    silent = declared("y", "COLLADA default up axis", confidence=0.5)
+    silent: Evidence[Axis] = declared("y", "COLLADA default up axis", confidence=0.5)
     assert decide_up_axis(silent, ("z is up",)).axis.value == "z"
     assert decide_up_axis(silent, ()).diagnostics == ()
 

@@ -9,10 +9,11 @@ from assetkit.pose.upright import TURN_NAMED, rank_upright
 from assetkit.taxonomy.tables import categories
 from geom.features.upright_directions import UprightFeatures, upright_features
 from schemas.arrays import FloatArray
-from schemas.evidence import declared, default
+from schemas.evidence import Evidence, declared, default
+from schemas.model import Axis
 from schemas.physics import Solid
 
-Z_BY_HABIT = default("z", "OBJ declares no up axis")
+Z_BY_HABIT: Evidence[Axis] = default("z", "OBJ declares no up axis")
 
 
 def solid_of(mesh: trimesh.Trimesh, R: FloatArray | None = None) -> Solid:
@@ -43,7 +44,7 @@ def plate() -> trimesh.Trimesh:
 @pytest.mark.parametrize(("mesh", "category"), [(cup(), "mug"), (stool(), "stool"), (plate(), "plate")])
 @pytest.mark.parametrize("seed", range(3))
 def test_an_object_turned_in_any_way_is_found_upright(mesh: trimesh.Trimesh, category: str, seed: int) -> None:
-    R = Rotation.random(random_state=seed).as_matrix()
+    R = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
     best = rank_upright(upright_features(solid_of(mesh, R)), categories()[category], None)[0]
     assert np.array(best.up) @ R[:, 2] > np.cos(np.radians(6.0))
     assert best.probability > TURN_NAMED

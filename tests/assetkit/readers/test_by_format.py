@@ -17,6 +17,7 @@ from assetkit.scale.unit_posterior import unit_prior
 from assetkit.sources.discover import discover, format_of
 from assetkit.stages.intake import ReadSource
 from schemas.diagnostics import InvalidInput, Location
+from tests.support.present import present
 
 EACH = pytest.mark.parametrize("row", FORMATS, ids=lambda row: row.name)
 
@@ -51,7 +52,7 @@ def test_text_formats_that_name_files_take_them_as_parts(row: SourceFormat, tmp_
 @EACH
 def test_first_bytes_name_the_format_and_are_refused_elsewhere(row: SourceFormat):
     for signature in row.magic:
-        known = sniff(signature.first_bytes)
+        known = present(sniff(signature.first_bytes))
         assert known == (signature.content, signature.extensions or row.extensions)
         assert set(known[1]) <= set(row.extensions)
         screen(signature.first_bytes, known[1][0][1:], where=Location())

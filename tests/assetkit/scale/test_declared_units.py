@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from assetkit.options import METERS_PER_UNIT
-from assetkit.scale.declared_units import CREDIBLE_M, USUAL_M, UnitDecision, decide_unit
+from assetkit.scale.declared_units import CREDIBLE_M, USUAL_M, UnitDecision, UnitName, decide_unit
 from schemas.diagnostics import InvalidInput
 from schemas.evidence import Evidence, declared, default
 from schemas.model import Node
@@ -25,7 +25,7 @@ def decide(
     extent: tuple[float, float, float],
     *,
     stated: Evidence[float] = UNKNOWN,
-    chosen="auto",
+    chosen: UnitName = "auto",
     format_="obj",
     name="folder/part",
     hints: tuple[str, ...] = (),

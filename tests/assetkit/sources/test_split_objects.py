@@ -6,6 +6,7 @@ import trimesh
 from assetkit.sources.split_objects import split_objects
 from schemas.evidence import declared
 from schemas.model import Material, Mesh, Model
+from tests.support.bad_inputs.assets import joined
 
 
 def model_of(*boxes: tuple[tuple[float, float, float], float], one_mesh: bool = False) -> Model:
@@ -13,7 +14,7 @@ def model_of(*boxes: tuple[tuple[float, float, float], float], one_mesh: bool = 
     for part, (centre, _) in zip(parts, boxes, strict=True):
         part.apply_translation(centre)
     if one_mesh:
-        parts = [trimesh.util.concatenate(parts)]
+        parts = [joined(*parts)]
     meshes = tuple(
         Mesh(f"m{i}", np.asarray(p.vertices), np.asarray(p.faces, dtype=np.int32), material=i)
         for i, p in enumerate(parts)

@@ -19,7 +19,7 @@ def test_meshes_have_ids_from_intake_on(tmp_path: Path) -> None:
         box.apply_translation((x_m, 0.0, 0.0))
         scene.add_geometry(box, node_name=name, geom_name=name)
     file = tmp_path / "boxes.glb"
-    scene.export(file)
+    scene.export(file, file_type="glb")
     objects = ReadSource().run(discover([file])[0], Options()).objects
     ids = sorted(list(item.model.meshes_by_id) for item in objects)
     assert ids == [["base"], ["lid_u", "lid_u_2"]]

@@ -6,6 +6,7 @@ import pytest
 
 from assetkit.taxonomy.material_classes import UNKNOWN, contacts_of, material_for, materials
 from schemas.evidence import default
+from tests.support.present import present
 
 
 @pytest.mark.parametrize("material", materials().values(), ids=lambda m: m.name)
@@ -31,7 +32,7 @@ def test_contacts_start_with_any_and_every_pair_is_physical(name):
     assert [c.value.counterpart for c in contacts].count("any") == 1
     assert contacts[0].value.counterpart == "any"
     for evidence in contacts:
-        contact, (low, high) = evidence.value, evidence.bounds
+        contact, (low, high) = evidence.value, present(evidence.bounds)
         assert contact.counterpart in {*materials(), "any"}
         assert low.static_friction <= contact.dynamic_friction <= contact.static_friction <= high.static_friction
         assert low.restitution <= contact.restitution <= high.restitution

@@ -45,7 +45,7 @@ def test_flat_sets_have_the_volume_of_qhull(seed: int) -> None:
     rng = np.random.default_rng(seed)
     points = rng.normal(size=(int(rng.integers(6, 60)), 3)) * [1.0, 0.3, 10.0 ** rng.uniform(-3, 0)]
     points[: len(points) // 2, 2] = 0.0
-    assert_convex(points @ Rotation.random(rng=seed).as_matrix())
+    assert_convex(points @ Rotation.random(rng=np.random.default_rng(seed)).as_matrix())
 
 
 def test_a_hull_of_many_points_takes_memory_in_proportion() -> None:

@@ -24,7 +24,7 @@ SIZES = {"box": (0.3, 0.2, 0.1), "sphere": (0.2,), "cylinder": (0.1, 0.5), "caps
 @pytest.mark.parametrize("kind", sorted(FITS))
 def test_a_turned_and_moved_shape_is_found_again(kind, seed):
     rng = np.random.default_rng(seed)
-    X_AS = pose(Rotation.random(random_state=seed).as_matrix(), rng.uniform(-5, 5, 3))
+    X_AS = pose(Rotation.random(rng=np.random.default_rng(seed)).as_matrix(), rng.uniform(-5, 5, 3))
     scale = 10.0 ** rng.uniform(-3, 1)
     X_AS[:3, 3] *= scale
     shape = CollisionShape(kind, tuple(scale * s for s in SIZES[kind]), X_AS)
@@ -45,7 +45,7 @@ def test_a_turned_and_moved_shape_is_found_again(kind, seed):
 def test_a_plane_however_turned_has_no_box(seed: int):
     """Turned by hand, a plane is as thick as its rounding: the smallest oriented box of it has no meaning."""
     plane = np.array([[x, y, 0.0] for x in (-1.0, 1.0) for y in (-1.0, 1.0)])
-    assert fit_box(plane @ Rotation.random(random_state=seed).as_matrix().T + 3.0) is None
+    assert fit_box(plane @ Rotation.random(rng=np.random.default_rng(seed)).as_matrix().T + 3.0) is None
     assert fit_box(plane + [[0.0, 0.0, k * 1e-17] for k in range(4)]) is None
 
 
@@ -83,5 +83,7 @@ def test_a_reduced_hull_has_few_points_the_same_volume_and_is_convex(seed):
 
 
 def test_the_thickness_of_a_plate():
-    plate = surface(CollisionShape("box", (0.3, 0.2, 0.004), pose(Rotation.random(random_state=1).as_matrix())))[0]
+    plate = surface(
+        CollisionShape("box", (0.3, 0.2, 0.004), pose(Rotation.random(rng=np.random.default_rng(1)).as_matrix()))
+    )[0]
     assert thickness(*convex_hull(plate)) == pytest.approx(0.004)

@@ -39,7 +39,7 @@ BODIES = [
 @pytest.mark.parametrize("body", BODIES, ids=lambda b: b.name)
 def test_support_is_the_furthest_point_of_the_surface(body, seed: int) -> None:
     """Tessellations are inscribed: they reach as far or, where curved, up to 0.3 % of the size less."""
-    turned, direction = Rotation.random(2, random_state=seed).as_matrix()
+    turned, direction = Rotation.random(2, rng=np.random.default_rng(seed)).as_matrix()
     shape = body.shapes[0]
     moved = CollisionShape(shape.kind, shape.size_m, pose(turned, (1.0, 2.0, 3.0)), shape.points, shape.triangles)
     points, _ = surface(moved)

@@ -132,7 +132,7 @@ def test_volume_below_a_plane_is_that_of_the_cut_body(seed: int):
 
 
 def test_trimming_leaves_flat_faces_and_joints_alone():
-    wedge = Manifold.hull_points([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1], [0, 1, 1]])
+    wedge = Manifold.hull_points(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1], [0, 1, 1.0]]))
     hollow = wedge - Manifold.cube((0.2, 0.8, 0.2)).translate((0.1, 0.1, 0.1))
     (kept,) = trim_hulls([wedge], [wedge ^ hollow], SignedDistance(*manifold_arrays(hollow)), depth=0.1)
     assert kept.volume() == pytest.approx(wedge.volume())

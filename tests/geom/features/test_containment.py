@@ -35,7 +35,7 @@ def test_a_half_ball_holds_two_thirds_pi_r_cubed():
 
 def test_a_bottle_is_wider_than_its_neck():
     outside = [(0, 0), (0.035, 0), (0.035, 0.12), (0.015, 0.16), (0.015, 0.2), (0.011, 0.2), (0.011, 0.16)]
-    bottle = Manifold.revolve(CrossSection([[*outside, (0.031, 0.12), (0.031, 0.004), (0, 0.004)]]), 48)
+    bottle = Manifold.revolve(CrossSection([np.array([*outside, (0.031, 0.12), (0.031, 0.004), (0, 0.004)])]), 48)
     (inside,) = insides(solid_of(bottle))
     cone = np.pi * 0.04 / 3 * (0.031**2 + 0.031 * 0.011 + 0.011**2)
     assert inside.volume_m3 == pytest.approx(np.pi * (0.031**2 * 0.116 + 0.011**2 * 0.04) + cone, rel=0.04)

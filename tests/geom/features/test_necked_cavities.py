@@ -17,7 +17,7 @@ UP_IS_Y = Rotation.from_euler("x", -90.0, degrees=True).as_matrix()
 
 
 def turned(outer: list[tuple[float, float]], inner: list[tuple[float, float]]) -> Manifold:
-    return Manifold.revolve(CrossSection([[*outer, *inner]]), 24)
+    return Manifold.revolve(CrossSection([np.array([*outer, *inner])]), 24)
 
 
 def bottle() -> Manifold:

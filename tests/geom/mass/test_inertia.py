@@ -121,7 +121,7 @@ def test_monte_carlo_agrees():
 @given(seeds, seeds)
 def test_rotation_covariance_and_rebuild_from_principal_axes(seed, turn):
     points, triangles = random_hull(seed)
-    X_AB = pose(Rotation.random(random_state=turn).as_matrix(), (0.3, -2.0, 1.0))
+    X_AB = pose(Rotation.random(rng=np.random.default_rng(turn)).as_matrix(), (0.3, -2.0, 1.0))
     body = enclosed_volume(points, triangles).filled(800.0)
     turned = enclosed_volume(points @ X_AB[:3, :3].T + X_AB[:3, 3], triangles).filled(800.0)
     assert_same(turned, moved(body, X_AB), rtol=1e-8)

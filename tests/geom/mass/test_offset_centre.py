@@ -36,7 +36,7 @@ def test_it_fits_wherever_the_centre_is_and_turns_with_the_shape(name, seed):
     value, bound = rms_distance_and_bound(found, points - centre)
     assert value <= bound
     assert np.trace(found) <= np.trace(even) * (1.0 + 1e-9)
-    R = Rotation.random(random_state=seed).as_matrix()
+    R = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
     turned, _ = tensor_about(R @ centre, (points @ R.T, triangles))
     assert_allclose(turned, R @ found @ R.T, atol=1e-7 * np.trace(even))
 

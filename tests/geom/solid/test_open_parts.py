@@ -78,7 +78,7 @@ def test_a_lamp_keeps_its_base_solid_and_its_mass_centre_low() -> None:
     overlap = held[1].volume_m3 * 0.005 / 0.2  # the pole stands 5 mm deep in the base
     truth = held[0].volume_m3 + held[1].volume_m3 - overlap + T * area
     height = (held[0].volume_m3 * 0.015 + held[1].volume_m3 * 0.125 - overlap * 0.0275 + T * area * 0.26) / truth
-    assert figures["open_area_share"] > 0.5
+    assert float(figures["open_area_share"]) > 0.5
     assert figures["volume_m3"] == pytest.approx(truth, rel=1e-3)
     assert volume_properties(solid)[0].centre_m[2] == pytest.approx(height, rel=1e-3)
 

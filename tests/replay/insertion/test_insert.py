@@ -8,7 +8,8 @@ from replay.insertion.candidates import InsertionCandidate
 from replay.insertion.free_space import FreeSpace
 from replay.insertion.insert import YAW_TRIES, InsertionSite, insert
 from replay.insertion.supports import Support
-from schemas.scene.runtime_plan import PlanBody, PlanStance, Prism
+from schemas.scene.geometry import Prism
+from schemas.scene.runtime_plan import PlanBody, PlanStance
 
 _NONE = np.zeros(0)
 STILL = Envelope((), (), _NONE.astype(int), np.zeros((0, 3)), np.zeros((0, 3)), *[_NONE] * 6, clearance_m=0.01)
@@ -16,7 +17,7 @@ STANCE = PlanStance(
     name="upright",
     quat_wxyz=(1.0, 0.0, 0.0, 0.0),
     origin_height_m=0.0,
-    prisms=(Prism(outline_m=((-0.04, -0.04), (0.04, -0.04), (0.04, 0.04), (-0.04, 0.04)), low_m=0.0, high_m=0.1),),
+    prisms=(Prism(np.array([(-0.04, -0.04), (0.04, -0.04), (0.04, 0.04), (-0.04, 0.04)]), 0.0, 0.1),),
 )
 BOX = PlanBody(asset_id="box", stances=(STANCE,))
 

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from benchmarks.scenes.workload import box_body, table, workload
 from scenec.analyse.interaction_graph import interaction_graph
-from scenec.ir.problem import WORLD_PARENT, Domain, Problem, RelationIR, Thing
+from scenec.ir.problem import Problem, Thing
+from schemas.scene.geometry import BACKGROUND, Domain, SceneRelation
 
 
 def pair(*, relation: bool, apart: bool) -> Problem:
@@ -15,10 +16,10 @@ def pair(*, relation: bool, apart: bool) -> Problem:
     problem = workload(2, 0)
     ranges = ((-0.5, -0.4), (0.4, 0.5)) if apart else ((-0.5, 0.1), (0.0, 0.5))
     things = tuple(
-        Thing(name, box_body(name, 0.1, 0.1), WORLD_PARENT, table(), Domain(x_m=span), ("layout", "nodes", name))
+        Thing(name, box_body(name, 0.1, 0.1), BACKGROUND, table(), Domain(x_m=span), ("layout", "nodes", name))
         for name, span in zip(("a", "b"), ranges, strict=True)
     )
-    relations = (RelationIR("before", ("a", "b"), (0.0, 1.0), word="front_of"),) if relation else ()
+    relations = (SceneRelation("before", ("a", "b"), (0.0, 1.0), word="front_of"),) if relation else ()
     return replace(problem, things=things, relations=relations)
 
 
@@ -38,13 +39,13 @@ def test_owners_come_first_and_contents_are_a_component_of_their_own():
     tray = box_body("tray", 0.3, 0.2, top=True)
     things = (
         Thing("mug", box_body("mug", 0.05, 0.05), "tray", tray.surfaces[0], Domain(), ()),
-        Thing("tray", tray, WORLD_PARENT, table(), Domain(), ()),
+        Thing("tray", tray, BACKGROUND, table(), Domain(), ()),
     )
     graph = interaction_graph(replace(workload(1, 0), things=things))
     assert graph.components == (("mug",), ("tray",))
     assert graph.schedule == (1, 0)
     assert {(e.source, e.target, e.kind) for e in graph.edges} == {
-        (WORLD_PARENT, "tray", "support"),
+        (BACKGROUND, "tray", "support"),
         ("tray", "mug", "support"),
     }
 

@@ -1,9 +1,10 @@
-"""Bodies of assets: slabs hold the shapes in any orientation; places are those that collision shapes leave free."""
+"""Bodies of assets: prisms hold the shapes in any orientation; places are those that collision shapes leave free."""
 
 from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -16,21 +17,22 @@ from geom.convex.hull import hull_shape
 from geom.convex.support_function import surface
 from geom.pose import matrix_of, pose
 from scenec.bind.asset_library import AssetLibrary, swing_and_yaw
-from scenec.bind.prisms import scaled, slabs_between, stance_of
-from scenec.ir.problem import Stance
+from scenec.bind.prisms import prisms_between, scaled, stance_of
 from schemas.diagnostics import InvalidInput
-from schemas.physics import CollisionShape
+from schemas.physics import CollisionShape, ShapeKind
+from schemas.scene.geometry import Stance
 from schemas.scene.program import AuthoredPolygon, BoxAsset, CylinderAsset, FixedAsset
 from tests.support.scene import library as scene_library
 
-QUATS = st.integers(0, 10**6).map(lambda seed: np.roll(Rotation.random(random_state=seed).as_quat(), 1))
+QUATS = st.integers(0, 10**6).map(lambda seed: np.roll(Rotation.random(rng=np.random.default_rng(seed)).as_quat(), 1))
 SIZES = st.floats(0.01, 0.5)
+KINDS: tuple[ShapeKind, ...] = get_args(ShapeKind)
 
 
 @st.composite
 def shapes(draw: st.DrawFn) -> CollisionShape:
     """One shape of any kind anywhere."""
-    kind = draw(st.sampled_from(["box", "sphere", "capsule", "cylinder", "hull"]))
+    kind = draw(st.sampled_from(KINDS))
     X_AS = pose(matrix_of(draw(QUATS)), (draw(SIZES), draw(SIZES), draw(SIZES)))
     if kind == "hull":
         points = np.random.default_rng(draw(st.integers(0, 10**6))).normal(size=(20, 3)) * 0.1
@@ -38,7 +40,7 @@ def shapes(draw: st.DrawFn) -> CollisionShape:
         assert shape is not None
         return shape
     count = {"box": 3, "sphere": 1}.get(kind, 2)
-    return CollisionShape(kind, tuple(draw(SIZES) for _ in range(count)), X_AS)  # pyright: ignore[reportArgumentType]
+    return CollisionShape(kind, tuple(draw(SIZES) for _ in range(count)), X_AS)
 
 
 def quat_of(quat: np.ndarray) -> tuple[float, float, float, float]:
@@ -48,27 +50,27 @@ def quat_of(quat: np.ndarray) -> tuple[float, float, float, float]:
 
 @settings(max_examples=150, deadline=None)
 @given(shapes(), QUATS)
-def test_a_slab_holds_its_shape_tightly_in_any_orientation(shape: CollisionShape, quat: np.ndarray):
+def test_a_prism_holds_its_shape_tightly_in_any_orientation(shape: CollisionShape, quat: np.ndarray):
     stance = stance_of([shape], quat_of(quat), "any")
     points = surface(shape)[0] @ matrix_of(quat).T
-    (slab,) = stance.slabs
-    outline = shapely.Polygon(slab.outline_m)
+    (prism,) = stance.prisms
+    outline = shapely.Polygon(prism.outline_m)
     assert outline.buffer(1e-9).contains(shapely.MultiPoint(points[:, :2]))
     assert outline.area <= 1.02 * shapely.MultiPoint(points[:, :2]).convex_hull.area
     over = points[:, 2] + stance.origin_height_m
     assert over.min() >= -1e-9
-    assert over.max() <= slab.high_m + 1e-9
-    assert over.max() - over.min() >= 0.98 * slab.high_m
-    assert shapely.LinearRing(slab.outline_m).is_ccw
+    assert over.max() <= prism.high_m + 1e-9
+    assert over.max() - over.min() >= 0.98 * prism.high_m
+    assert shapely.LinearRing(prism.outline_m).is_ccw
 
 
 @settings(max_examples=60, deadline=None)
 @given(shapes(), QUATS, st.floats(0.2, 5.0))
-def test_a_scaled_shape_has_scaled_slabs(shape: CollisionShape, quat: np.ndarray, scale: float):
+def test_a_scaled_shape_has_scaled_prisms(shape: CollisionShape, quat: np.ndarray, scale: float):
     def figures(stance: Stance) -> np.ndarray:
-        (slab,) = stance.slabs
-        outline = shapely.Polygon(slab.outline_m)
-        return np.array([*outline.bounds, np.sqrt(outline.area), slab.high_m, stance.origin_height_m])
+        (prism,) = stance.prisms
+        outline = shapely.Polygon(prism.outline_m)
+        return np.array([*outline.bounds, np.sqrt(outline.area), prism.high_m, stance.origin_height_m])
 
     once, larger = (stance_of([s], quat_of(quat), "any") for s in (shape, scaled(shape, scale)))
     assert np.allclose(figures(larger), scale * figures(once), rtol=1e-9, atol=1e-9)
@@ -83,8 +85,8 @@ def test_a_piece_between_two_heights_holds_what_lies_there(shape: CollisionShape
     i, j = np.random.default_rng(0).integers(0, len(points), (2, 40))
     corners = np.concatenate([points[i] + share * (points[j] - points[i]) for share in (0.25, 0.5)])
     there = corners[(corners[:, 2] > low) & (corners[:, 2] < high)]
-    slabs = slabs_between([shape], low, high)
-    outlines = shapely.union_all([shapely.Polygon(slab.outline_m).buffer(1e-9) for slab in slabs])
+    prisms = prisms_between([shape], low, high)
+    outlines = shapely.union_all([shapely.Polygon(prism.outline_m).buffer(1e-9) for prism in prisms])
     assert all(outlines.contains(shapely.Point(p[:2])) for p in there)
     whole = shapely.MultiPoint(points[:, :2]).convex_hull
     assert outlines.area <= 1.02 * whole.area + 1e-9
@@ -92,7 +94,7 @@ def test_a_piece_between_two_heights_holds_what_lies_there(shape: CollisionShape
 
 @given(QUATS)
 def test_an_orientation_is_a_swing_and_then_a_heading(quat: np.ndarray):
-    swing, yaw = swing_and_yaw(quat)
+    swing, yaw = swing_and_yaw(quat.tolist())
     about_z = matrix_of(np.array([np.cos(0.5 * yaw), 0.0, 0.0, np.sin(0.5 * yaw)]))
     assert np.allclose(about_z @ matrix_of(np.array(swing)), matrix_of(quat), atol=1e-9)
     assert abs(swing[3]) < 1e-9
@@ -125,7 +127,7 @@ def test_a_drawn_floor_is_raised_to_what_the_colliders_carry(library: AssetLibra
         floor = library.surface(BIN, 1.0, AuthoredPolygon(outline=square, z=z, height=0.05), "drawn")
         assert floor is not None
         assert np.isclose(floor.origin_P_m[2], carried)
-        assert np.isclose(floor.clearance_m, 0.05 - (carried - z))
+        assert np.isclose(floor.height_m, 0.05 - (carried - z))
 
 
 def test_what_fills_a_drawn_volume_is_not_free(library: AssetLibrary):
@@ -144,7 +146,7 @@ def test_round_tops_lie_inside_and_round_footprints_outside(library: AssetLibrar
     top = library.surface(can, 1.0, "top", "top")
     assert top is not None
     circle = shapely.Point(0.0, 0.0).buffer(0.04, 256)
-    footprint = shapely.Polygon(library.body(can).resting_orientations[0].slabs[0].outline_m)
+    footprint = shapely.Polygon(library.body(can).resting_orientations[0].prisms[0].outline_m)
     assert circle.buffer(1e-6).contains(top.polygon)
     assert footprint.contains(circle.buffer(-1e-6))
 
@@ -201,12 +203,12 @@ def test_how_an_asset_rests_is_not_known_once_its_shape_has_changed(tmp_path: Pa
 def test_sections_hold_the_shape_at_each_height(shape: CollisionShape, quat: np.ndarray):
     stance = stance_of([shape], quat_of(quat), "any", sections=True)
     points = surface(shape)[0] @ matrix_of(quat).T + [0.0, 0.0, stance.origin_height_m]
-    assert stance.slabs[0].low_m == pytest.approx(0.0, abs=1e-9)
-    for below, above in pairwise(stance.slabs):
+    assert stance.prisms[0].low_m == pytest.approx(0.0, abs=1e-9)
+    for below, above in pairwise(stance.prisms):
         assert below.high_m == pytest.approx(above.low_m, abs=1e-12)
-    for slab in stance.slabs:
-        here = points[(points[:, 2] >= slab.low_m) & (points[:, 2] <= slab.high_m), :2]
-        beyond = shapely.distance(shapely.Polygon(slab.outline_m), shapely.points(here))
+    for prism in stance.prisms:
+        here = points[(points[:, 2] >= prism.low_m) & (points[:, 2] <= prism.high_m), :2]
+        beyond = shapely.distance(shapely.Polygon(prism.outline_m), shapely.points(here))
         assert np.max(beyond, initial=0.0) < 1e-6
 
 
@@ -214,6 +216,6 @@ def test_what_tapers_is_cut_up_and_what_does_not_is_whole():
     upright = (1.0, 0.0, 0.0, 0.0)
     block = stance_of([CollisionShape("box", (0.1, 0.06, 0.04), np.eye(4))], upright, "any", sections=True)
     ball = stance_of([CollisionShape("sphere", (0.03,), np.eye(4))], upright, "any", sections=True)
-    assert len(block.slabs) == 1
-    foot, *_, top = (shapely.Polygon(slab.outline_m).area for slab in ball.slabs)
-    assert max(foot, top) < 0.05 * max(shapely.Polygon(slab.outline_m).area for slab in ball.slabs)
+    assert len(block.prisms) == 1
+    foot, *_, top = (shapely.Polygon(prism.outline_m).area for prism in ball.prisms)
+    assert max(foot, top) < 0.05 * max(shapely.Polygon(prism.outline_m).area for prism in ball.prisms)

@@ -22,9 +22,9 @@ def test_a_thing_keeps_its_place_footprint_and_path(tmp_path: Path):
     (problem,) = lowered(SOUND, tmp_path).problems
     a = problem.things[0]
     assert (a.name, a.parent, a.place.name, a.path) == ("a", "background", "top", ("layout", "nodes", "a"))
-    (slab,) = a.body.resting_orientations[0].slabs
-    assert sorted(map(tuple, np.round(slab.outline_m, 12))) == [(x, y) for x in (-0.05, 0.05) for y in (-0.05, 0.05)]
-    assert (slab.low_m, slab.high_m) == (0.0, 0.1)
+    (prism,) = a.body.resting_orientations[0].prisms
+    assert sorted(map(tuple, np.round(prism.outline_m, 12))) == [(x, y) for x in (-0.05, 0.05) for y in (-0.05, 0.05)]
+    assert (prism.low_m, prism.high_m) == (0.0, 0.1)
     assert np.allclose(a.place.origin_P_m, [0.0, 0.0, 0.05])
 
 
@@ -94,7 +94,8 @@ def test_the_order_of_sections_and_nodes_does_not_change_what_is_asked(tmp_path:
             other.path,
         )
         assert np.array_equal(
-            thing.body.resting_orientations[0].slabs[0].outline_m, other.body.resting_orientations[0].slabs[0].outline_m
+            thing.body.resting_orientations[0].prisms[0].outline_m,
+            other.body.resting_orientations[0].prisms[0].outline_m,
         )
 
 
@@ -110,5 +111,5 @@ def test_beyond_256_combinations_a_pool_is_as_large_as_all_its_candidates(tmp_pa
     assert [part.union for part in result.components] == [("a", "b")]
     (problem,) = result.problems
     a, b, _ = problem.things
-    assert (len(a.body.resting_orientations[0].slabs), len(b.body.resting_orientations[0].slabs)) == (20, 19 + 5)
+    assert (len(a.body.resting_orientations[0].prisms), len(b.body.resting_orientations[0].prisms)) == (20, 19 + 5)
     assert np.isclose(b.body.resting_orientations[0].height_m, 0.08)

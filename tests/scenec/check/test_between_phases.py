@@ -10,7 +10,8 @@ from shapely import Polygon
 
 from scenec.check import between_phases
 from scenec.emit.scene import compiled_scene
-from scenec.ir.problem import Problem, ReachIR, RelationIR, Surface
+from scenec.ir.problem import Problem
+from schemas.scene.geometry import ReachRing, ScenePlace, SceneRelation
 from tests.support.scene.problems import table_setting
 
 PROBLEM, PLACEMENTS = table_setting()
@@ -42,12 +43,12 @@ def test_a_whole_problem_passes_all():
         (first(domain=replace(FIRST.domain, orientation_indices=())), "no way to stand"),
         (first(domain=replace(FIRST.domain, x_m=(0.2, 0.1))), "x of .* is reversed"),
         (first(domain=replace(FIRST.domain, y_m=(np.nan, 0.1))), "y of .* is reversed"),
-        (of_body(slabs=()), "no collision geometry"),
+        (of_body(prisms=()), "no collision geometry"),
         (of_body(quat_wxyz=(2.0, 0.0, 0.0, 0.0)), "no unit length"),
-        (first(place=Surface("flat", Polygon(), np.zeros(3))), "flat is no area"),
-        (replace(PROBLEM, relations=(RelationIR("near", (FIRST.name, "nobody")),)), "near speaks of nobody"),
-        (replace(PROBLEM, relations=(RelationIR("before", (FIRST.name,), (0.0, 0.0)),)), "no unit length"),
-        (replace(PROBLEM, reach=ReachIR(np.zeros(3), 0.1, 0.5, ("nobody",), ())), "the reach names nobody"),
+        (first(place=ScenePlace("flat", Polygon(), np.zeros(3))), "flat is no area"),
+        (replace(PROBLEM, relations=(SceneRelation("near", (FIRST.name, "nobody")),)), "near speaks of nobody"),
+        (replace(PROBLEM, relations=(SceneRelation("before", (FIRST.name,), (0.0, 0.0)),)), "no unit length"),
+        (replace(PROBLEM, reach=ReachRing(np.zeros(3), 0.1, 0.5, ("nobody",), ())), "the reach names nobody"),
     ],
 )
 def test_faults_of_binding_are_named(broken: Problem, said: str):

@@ -9,9 +9,10 @@ import pytest
 import shapely
 
 from benchmarks.scenes.workload import box_body
-from scenec.ir.problem import Exhausted, Infeasible, Placement, Proof, Slab
+from scenec.ir.problem import Exhausted, Infeasible, Placement, Proof
 from scenec.pictures.blockers import footprint, obstructing_things, owner_parts
 from scenec.pictures.failure import failure
+from schemas.scene.geometry import Prism
 from tests.scenec.solve.test_solver_scenes import problem, thing
 
 LAMP, BOOK, CUP = (thing(name, box_body(name, 0.1, 0.2)) for name in ("lamp", "book", "cup"))
@@ -35,7 +36,7 @@ def test_after_a_search_without_an_answer_all_that_stood_is_in_the_way_but_the_o
 
 
 def test_rims_and_posts_of_the_owner_are_in_the_way():
-    post = Slab(np.array([(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)]), 0.0, 0.3)
+    post = Prism(np.array([(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)]), 0.0, 0.3)
     given = problem(replace(BOOK, place=replace(BOOK.place, above=(post,))))
     (part,) = owner_parts(given, BOOK.parent, BOOK.place.name)
     assert part.equals(shapely.box(-0.1, -0.1, 0.1, 0.1))

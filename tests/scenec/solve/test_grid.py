@@ -9,10 +9,11 @@ from shapely import box
 
 from benchmarks.scenes.workload import workload
 from scenec.check.judge_scene import violations
-from scenec.ir.problem import KeepOutIR, RelationIR, Solved, Surface
+from scenec.ir.problem import Solved
 from scenec.solve import solve
 from scenec.solve.grid import spread_grid
 from scenec.solve.model import model_of
+from schemas.scene.geometry import KeepOutVolume, SceneRelation
 
 
 def loose(n: int, seed: int):
@@ -25,8 +26,8 @@ def test_whatever_the_grid_seats_is_a_valid_scene(n: int, seed: int, kept_out: b
     problem = loose(n, seed)
     if kept_out:
         surface = problem.things[0].place
-        assert isinstance(surface, Surface)
-        rule = KeepOutIR("background", surface, box(-0.2, -0.4, 0.1, 0.1), np.inf, ("keep_outs", 0))
+        assert not surface.is_volume
+        rule = KeepOutVolume("background", surface, box(-0.2, -0.4, 0.1, 0.1), np.inf, ("keep_outs", 0))
         problem = replace(problem, keep_outs=(rule,))
     found = spread_grid(model_of(problem), [thing.name for thing in problem.things], {}, seed)
     assert found is None or violations(problem, found) == ()
@@ -48,6 +49,6 @@ def test_ranges_are_kept_and_relations_are_left_to_others():
     found = spread_grid(model_of(replace(problem, things=things)), names, {}, 0)
     assert found is not None
     assert all(0.1 <= at.x_m <= 0.5 and -0.3 <= at.y_m <= 0.3 for at in found.values())
-    related = replace(problem, relations=(RelationIR("before", ("box0", "box1")),))
+    related = replace(problem, relations=(SceneRelation("before", ("box0", "box1")),))
     assert spread_grid(model_of(related), names, {}, 0) is None
     assert spread_grid(model_of(loose(60, 0)), [f"box{i}" for i in range(60)], {}, 0) is None

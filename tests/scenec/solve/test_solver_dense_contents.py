@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 from shapely import MultiPoint, Polygon, box, union_all
 
 from scenec.check.judge_scene import violations
-from scenec.ir.problem import Body, Exhausted, Slab, Solved, Stance, Volume
+from scenec.ir.problem import Body, Exhausted, Solved
 from scenec.solve import solve
 from scenec.solve.planar import hull_of
-from scenec.solve.regions import FEW_CORNERS, minkowski_sum_points
+from scenec.solve.region_geometry import FEW_CORNERS, minkowski_sum_points
 from scenec.solve.shapes import COARSE_SHARE, shape_of
+from schemas.scene.geometry import PlaceLayer, Prism, ScenePlace, Stance
 from tests.support.scene.proof_problems import problem, thing
 
 WALLS = 12
@@ -24,13 +25,13 @@ def mug() -> Body:
     inner, outer = (r * np.stack([np.cos(at), np.sin(at)], axis=1) for r in (0.036, 0.04))
     walls = [np.array([inner[k], outer[k], outer[k + 1], inner[k + 1]]) for k in range(WALLS)]
     handle = np.array([(0.038, -0.006), (0.065, -0.006), (0.065, 0.006), (0.038, 0.006)])
-    slabs = [Slab(outer[:-1], 0.0, 0.005), *(Slab(wall, 0.0, 0.09) for wall in walls), Slab(handle, 0.02, 0.07)]
-    return Body("mug", (Stance((1.0, 0.0, 0.0, 0.0), tuple(slabs), 0.0),))
+    prisms = [Prism(outer[:-1], 0.0, 0.005), *(Prism(wall, 0.0, 0.09) for wall in walls), Prism(handle, 0.02, 0.07)]
+    return Body("mug", (Stance((1.0, 0.0, 0.0, 0.0), tuple(prisms), 0.0),))
 
 
 def mugs_in(length_m: float, width_m: float, count: int):
     area = box(-length_m / 2, -width_m / 2, length_m / 2, width_m / 2)
-    inside = Volume("inside", ((0.0, 0.25, area),), area, np.zeros(3))
+    inside = ScenePlace.volume("inside", (PlaceLayer(0.0, 0.25, area),), area, np.zeros(3))
     return problem([thing(f"m{k}", mug(), inside, yaw=(-np.pi, np.pi)) for k in range(count)], clearance=0.003)
 
 

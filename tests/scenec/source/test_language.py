@@ -72,24 +72,24 @@ def test_primitives_stand_on_each_of_their_sides(problems: dict[str, tuple[Probl
     assert np.isclose(ball.body.resting_orientations[0].height_m, 0.08)
     for thing in (box, can, ball):
         for stance in thing.body.resting_orientations:
-            assert min(slab.low_m for slab in stance.slabs) == 0.0
+            assert min(prism.low_m for prism in stance.prisms) == 0.0
 
 
 def test_surface_of_a_package_and_drawn(problems: dict[str, tuple[Problem, ...]]):
     on_ring, cube = problems["surface"][0].things
-    assert np.isclose(on_ring.place.polygon.area, 0.8 * 0.6 - 0.04)  # pyright: ignore[reportAttributeAccessIssue]
-    assert on_ring.place.clearance_m == 0.5  # pyright: ignore[reportAttributeAccessIssue]
+    assert np.isclose(on_ring.place.polygon.area, 0.8 * 0.6 - 0.04)
+    assert on_ring.place.height_m == 0.5
     assert np.allclose(np.degrees(on_ring.domain.yaw_rad), (80, 100))
     assert cube.parent == "bin"
-    walls = cube.place.above  # pyright: ignore[reportAttributeAccessIssue]
+    walls = cube.place.above
     assert len(walls) == 4
     assert all(np.isclose(wall.low_m, 0.0) and np.isclose(wall.high_m, 0.07) for wall in walls)
 
 
 def test_volume_is_as_hollow_as_its_owner(problems: dict[str, tuple[Problem, ...]]):
     _, cube = problems["volume"][0].things
-    assert np.isclose(cube.place.height_m, 0.07)  # pyright: ignore[reportAttributeAccessIssue]
-    assert all(np.isclose(layer.area, 0.18 * 0.13) for _, _, layer in cube.place.layers)  # pyright: ignore
+    assert np.isclose(cube.place.height_m, 0.07)
+    assert all(np.isclose(layer.area, 0.18 * 0.13) for _, _, layer in cube.place.layers)
 
 
 def test_discrete_poses_stand_and_keep_their_heading(problems: dict[str, tuple[Problem, ...]]):

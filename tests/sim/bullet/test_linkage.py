@@ -95,7 +95,7 @@ def momenta(model: LinkageModel, motion: LinkageMotion, t_s: FloatArray) -> tupl
     for (R_BL, p_BL), com in zip(link_poses(model, motion.q[0]), coms, strict=True):
         at.append(motion.base.p[0] + np.einsum("kab,kb->ka", R_WB, p_BL + R_BL @ com))
         R.append(R_WB @ R_BL)
-    centre = sum(m * p for m, p in zip(masses, at, strict=True)) / sum(masses)
+    centre = np.sum([m * p for m, p in zip(masses, at, strict=True)], axis=0) / sum(masses)
     total = np.zeros((len(t_s) - 2, 3))
     for m, p, turned, tensor in zip(masses, at, R, tensors, strict=True):
         r = (p - centre)[1:-1]

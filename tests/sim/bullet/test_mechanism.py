@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from schemas.gap import Place
 from sim.bullet import mechanism
+from sim.dynamics.hooks import ModelChange
 from sim.dynamics.mechanism import Drive, Law, MechanismModel, Windows, rollout
 from sim.dynamics.tree import Link
 from sim.effects.library import effect
@@ -69,12 +71,25 @@ def test_the_engine_converges_to_our_motion(name: str):
         assert apart < travel
 
 
-def test_driven_joints_follow_the_same_command():
-    t = TIMES[0]
-    command = 0.3 * np.sin(4.0 * t)[None, :, None]
-    drive = Drive("position_pd", kp=np.array([3.0]), kd=np.array([0.1]), effort_limit=0.5)
+DRIVEN = replace(HINGE, drive=Drive("position_pd", kp=np.array([3.0]), kd=np.array([0.1]), effort_limit=0.5))
+CHANGES = {
+    "as declared": (),
+    "other gains": ("robot.pd_gains", {"kp": 1.5, "kd": 0.3}),
+    "friction below zero": ("joint.viscous_friction", {"damping_Nms_per_rad": -0.05}),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_driven_joints_follow_the_same_command(name: str):
+    command = 0.3 * np.sin(4.0 * TIMES[0])[None, :, None]
     windows = Windows(TIMES, np.array([[0.2]]), np.zeros((1, 1)), command=command)
-    apart, travel = gap(replace(HINGE, drive=drive), (), windows, 1e-3)
+    driven, given = DRIVEN, CHANGES[name]
+    if given:
+        hook = effect(given[0]).hook
+        assert isinstance(hook, ModelChange)
+        driven = hook.change(DRIVEN, given[1], Place(joint="hinge"))
+        assert np.abs(rollout(driven, windows)[0] - rollout(DRIVEN, windows)[0]).max() > 0.01
+    apart, travel = gap(driven, (), windows, 1e-3)
     assert apart < travel
 
 

@@ -194,7 +194,7 @@ def test_a_ball_rolls_off_iff_the_slope_beats_the_rolling_resistance(bullet) -> 
 def test_froude_similarity_scales_the_trajectory(bullet, size: float, model: float) -> None:
     """Lengths x s, times and speeds x sqrt(s): the same motion as at the size of the model."""
     shape = np.array([0.2, 0.15, 0.1]) / np.linalg.norm([0.2, 0.15, 0.1])
-    reference, scaled = box(model * shape), box(size * shape)
+    reference, scaled = box((model * shape).tolist()), box((size * shape).tolist())
     scale = size / model
     ours = bullet.drop(scaled, release(scaled, TILTED), DropSettings(0.5 * np.sqrt(scale)))
     theirs = bullet.drop(reference, release(reference, TILTED), DropSettings(0.5))
@@ -216,7 +216,7 @@ def test_a_body_at_rest_sinks_in_by_less_than_its_two_thousandth_and_a_millimetr
 
 
 def test_a_drop_does_not_depend_on_the_drops_before_it(bullet) -> None:
-    starts = [release(L_SHAPE, R) for R in Rotation.random(4, random_state=0).as_matrix()]
+    starts = [release(L_SHAPE, R) for R in Rotation.random(4, rng=np.random.default_rng(0)).as_matrix()]
     settings = DropSettings(0.6)
     together = [digest(r) for r in bullet.drop_many(L_SHAPE, starts, settings)]
     with BulletSimulator() as other:
@@ -283,7 +283,7 @@ def test_simulators_are_independent_and_close_twice() -> None:
 
 def test_real_hulls_settle(bullet) -> None:
     for name in ("duck_vhacd.obj", "cube.obj", "lego/lego.obj"):
-        mesh = trimesh.load(f"{pybullet_data.getDataPath()}/{name}", force="mesh", process=False).convex_hull
+        mesh = trimesh.load_mesh(f"{pybullet_data.getDataPath()}/{name}", process=False).convex_hull
         mesh.apply_scale(0.2 / np.linalg.norm(mesh.extents))
         result = settle(bullet, hull(mesh), TILTED)
         assert abs(result.heights_m[-1]) < 1e-3

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from schemas.arrays import FloatArray
-from schemas.gap import Gain, Place
+from schemas.gap import Gain, Place, Reason
 from sim.effects.library import effect
 from simgap.inference.agreement import agree
 from simgap.inference.candidate_fit import ALPHA, CandidateFit, Screening, candidate_fit_on, ranked_screening
-from simgap.inference.competing_hypotheses import alternatives, as_good_with_confusable, is_beaten, replacement
+from simgap.inference.competing_hypotheses import alternatives, as_good_with_confusable, is_as_good, replacement
 from simgap.inference.fit import Errors, Fit, extend, fit
-from simgap.inference.forward_selection import Accepted, Selection, _confirmed  # pyright: ignore[reportPrivateUsage]
+from simgap.inference.forward_selection import Selection
+from simgap.inference.hypothesis import Accepted, Evidence, is_confirmed
 from simgap.inference.intervals import differs_from_none, distance_to_alternatives, symmetric, wider
 from simgap.inference.losses import Comparison, paired_p, paired_p_where_affected
 from simgap.inference.parametric_bootstrap import MethodBias
@@ -76,9 +77,10 @@ def test_a_fit_at_the_end_of_a_range_is_as_sure_as_the_route_that_set_it():
     alone, told = (fit(errors, [c]) for c in (wall, replace(wall, direct_half_width={"torque_Nm": 0.4})))
     assert alone.model[-1].values["torque_Nm"] == told.model[-1].values["torque_Nm"] == pytest.approx(2.0)
     assert alone.half_widths[wall.key]["torque_Nm"] == 0.0
-    assert not alone.strength_exceeds({})
+    refusal = alone.strength_exceeds({})
+    assert (refusal.kept, refusal.reason) == (False, Reason.BOUND_REACHED)
     assert told.half_widths[wall.key]["torque_Nm"] == pytest.approx(0.4)
-    assert told.strength_exceeds({})
+    assert told.strength_exceeds({}).kept
     assert told.p_value == 1.0  # No test over trials: an end of a range is no agreement.
     free = fit(errors, [replace(COULOMB, direct_half_width={"torque_Nm": 0.4})])
     assert free.half_widths == fit(errors, [COULOMB]).half_widths
@@ -97,8 +99,8 @@ def test_a_fit_at_the_far_end_of_a_told_range_does_not_stand_out_by_rounding(kno
     )
     found = fit(errors, [candidate])
     assert found.model[-1].values["torque_Nm"] == pytest.approx(none - known)
-    assert not found.strength_exceeds({})
-    assert not differs_from_none(found.model[-1], symmetric(found.half_widths[candidate.key]))
+    assert found.strength_exceeds({}).reason is Reason.INTERVAL_INCLUDES_NONE
+    assert not differs_from_none(found.model[-1], symmetric(found.half_widths[candidate.key])).kept
 
 
 def test_an_interval_of_a_fit_at_an_end_that_was_told_covers_what_tells_it():
@@ -180,10 +182,11 @@ def test_two_causes_that_stand_for_two_others_are_doubles_together():
     null = fit(errors, ())
     load, dry = (_tried(errors, null, cause[k]) for k in ("load", "dry"))
     weight, spring = (_tried(errors, load.fit, cause[k]) for k in ("weight", "spring"))
-    assert is_beaten(spring, weight)
+    assert is_as_good(spring, weight).reason is Reason.FITS_WORSE_THAN
     assert as_good_with_confusable(errors, weight.fit, (), load, [], weight, [spring]) == []
-    (found,) = as_good_with_confusable(errors, weight.fit, (), load, [dry], weight, [spring])
+    ((found, decision),) = as_good_with_confusable(errors, weight.fit, (), load, [dry], weight, [spring])
     assert found.candidate.key == cause["spring"].key
+    assert (decision.kept, decision.reason) == (True, Reason.INSEPARABLE_FROM)
 
 
 def _four_trials_meet(estimate: float) -> Screening:
@@ -225,7 +228,7 @@ def test_what_took_the_place_of_another_and_may_be_chance_has_no_sure_name(p_adj
     found = replace(_tried(errors, null, COULOMB), direct=Told().direct(COULOMB, (), ()))
     accepted = Accepted(found, Screening((found,), (p_adjusted,)), p_adjusted, (), MethodBias())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
-    verdict = judge(Told(), selection, ("t0",), [GAIN], Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
+    verdict = judge(Told(), selection, ("t0",), [GAIN], Comparison(0.0, (0.0, 0.0), 1.0)).verdict  # pyright: ignore[reportArgumentType]
     assert verdict.status == ("effect_found" if sure else "ambiguous")
 
 
@@ -243,7 +246,7 @@ def test_what_may_be_nothing_by_its_own_interval_has_no_sure_name(error: float, 
     found = replace(_tried(errors, null, COULOMB), direct=said)
     accepted = Accepted(found, Screening((found,), (1e-6,)), 1e-6, (), MethodBias())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
-    verdict = judge(Told(), selection, ("t0",), [GAIN], Comparison(0.0, (0.0, 0.0), 1.0))  # pyright: ignore[reportArgumentType]
+    verdict = judge(Told(), selection, ("t0",), [GAIN], Comparison(0.0, (0.0, 0.0), 1.0)).verdict  # pyright: ignore[reportArgumentType]
     (low, high) = verdict.effects[0].parameters["torque_Nm"].ci95
     assert (verdict.status == "effect_found") == sure
     assert (low > 0.0) == sure
@@ -259,10 +262,10 @@ def test_an_interval_reaches_to_what_the_other_route_says_and_no_further_the_oth
     term = Term(COULOMB, {"torque_Nm": 2.0})
     sides = distance_to_alternatives(term, {"torque_Nm": 0.1}, _direct_estimate(3.9, 0.2), [])
     assert sides["torque_Nm"] == pytest.approx((0.0, 1.9 + 1.96 * 0.2))
-    assert differs_from_none(term, wider(sides, symmetric({"torque_Nm": 0.1})))
+    assert differs_from_none(term, wider(sides, symmetric({"torque_Nm": 0.1}))).kept
     assert not differs_from_none(
         term, distance_to_alternatives(term, {"torque_Nm": 0.1}, _direct_estimate(0.3, 0.2), [])
-    )
+    ).kept
     assert distance_to_alternatives(term, {"torque_Nm": 0.1}, _direct_estimate(2.05, 0.2), [])[
         "torque_Nm"
     ] == pytest.approx((0.0, 0.05))
@@ -271,23 +274,25 @@ def test_an_interval_reaches_to_what_the_other_route_says_and_no_further_the_oth
 def test_a_direct_estimate_is_heard_by_its_error_where_losses_drown_it():
     """Noise times an effect stands beside its square in a loss; an estimate over its error sees twenty deviations."""
     term, widths = Term(COULOMB, {"torque_Nm": 2.0}), {"torque_Nm": 0.1}
-    assert agree(term, widths, _direct_estimate(2.1, 0.1, p_value=0.1))
-    assert not agree(term, widths, _direct_estimate(2.1, 1.2, p_value=0.1))
-    assert not agree(term, widths, _direct_estimate(2.1, 0.1, p_value=0.1, trials=1))
+    assert agree(term, widths, _direct_estimate(2.1, 0.1, p_value=0.1)).kept
+    for drowned in (_direct_estimate(2.1, 1.2, p_value=0.1), _direct_estimate(2.1, 0.1, p_value=0.1, trials=1)):
+        assert agree(term, widths, drowned).reason is Reason.DIRECT_NOT_SIGNIFICANT
+    assert agree(term, widths, _direct_estimate(-2.1, 0.1)).reason is Reason.DIRECT_DISAGREES
     threshold = Term(replace(COULOMB, extra_starts=({"torque_Nm": 1.0},)), {"torque_Nm": 2.0})
-    assert not agree(threshold, widths, _direct_estimate(2.1, 0.1, p_value=0.1))
+    assert not agree(threshold, widths, _direct_estimate(2.1, 0.1, p_value=0.1)).kept
 
 
 def test_test_trials_that_stay_away_from_a_threshold_do_not_confirm_what_harms_them():
     errors = _errors(_columns(0.0), {COULOMB.key: 2.0})
     null = fit(errors, ())
     threshold = replace(COULOMB, extra_starts=({"torque_Nm": 1.0},))
-    found = replace(_tried(errors, null, COULOMB), candidate=threshold)
+    met = replace(_tried(errors, null, COULOMB), candidate=threshold)
     still = np.ones(4)
-    assert _confirmed(null, found, still, 1.05 * still)
-    assert not _confirmed(null, replace(found, candidate=COULOMB), still, 1.05 * still)
-    assert not _confirmed(null, found, still, 1.15 * still)
-    assert not _confirmed(null, found, still, 2.4 * still)
+    of_threshold, of_any = (Evidence(null, f, 1e-3) for f in (met, replace(met, candidate=COULOMB)))
+    assert is_confirmed(replace(of_threshold, test_losses=(still, 1.05 * still))).kept
+    for evidence, harm in ((of_any, 1.05), (of_threshold, 1.15), (of_threshold, 2.4)):
+        refusal = is_confirmed(replace(evidence, test_losses=(still, harm * still)))
+        assert refusal.reason is Reason.TEST_TRIALS_WORSE
 
 
 def test_what_a_single_trial_judges_has_no_sure_name():
@@ -303,6 +308,8 @@ def test_what_a_single_trial_judges_has_no_sure_name():
     accepted = Accepted(found, Screening((found,), (1e-6,)), 1e-6, (), MethodBias())
     selection = Selection(null, null.losses, (accepted,), None, found.fit, found.fit.losses, np.ones(1))
     alone = GAIN.model_copy(update={"ci95": (-np.inf, 1.0)})
-    verdicts = [judge(Told(), selection, ("t0",), [g], Comparison(0.0, (0.0, 0.0), 1.0)) for g in (GAIN, alone)]  # pyright: ignore[reportArgumentType]
-    assert [v.status for v in verdicts] == ["effect_found", "ambiguous"]
-    assert "judge by two trials or more" in verdicts[1].statement
+    told = Told()
+    judged = [judge(told, selection, ("t0",), [g], Comparison(0.0, (0.0, 0.0), 1.0)) for g in (GAIN, alone)]  # pyright: ignore[reportArgumentType]
+    assert [j.verdict.status for j in judged] == ["effect_found", "ambiguous"]
+    assert [d.reason for j in judged for _, d in j.decisions] == [Reason.NAMED, Reason.SINGLE_TRIAL]
+    assert "judge by two trials or more" in judged[1].verdict.statement

@@ -12,8 +12,9 @@ from schemas.gap import Gain, Place
 from schemas.measurement import MeasurementSpec
 from sim.effects.library import effect
 from simgap.inference.candidate_fit import CandidateFit, candidate_fit_on, ranked_screening, warm_start_without
+from simgap.inference.comparison import refitted_with_alternatives
 from simgap.inference.fit import Errors, extend, fit, resampling_units
-from simgap.inference.forward_selection import Accepted, _tested_again  # pyright: ignore[reportPrivateUsage]
+from simgap.inference.hypothesis import Accepted
 from simgap.inference.losses import compare
 from simgap.inference.parametric_bootstrap import MethodBias
 from simgap.inference.search_state import SearchState
@@ -69,14 +70,14 @@ def _search(count: int, alike: float) -> tuple[SearchState, Accepted, list[Candi
 def test_rivals_that_there_is_no_time_to_ask_stay():
     here, found, others = _search(8, alike=0.999)
     assert len(others) == 7
-    _, again = _tested_again(here, found, map)
+    _, again, _ = refitted_with_alternatives(here, found, map)
     assert {r.candidate.key for r in again.rivals} == {t.candidate.key for t in others}
 
 
 def test_a_rival_that_was_accepted_since_is_none_any_more():
     here, found, (rival, *others) = _search(3, alike=0.999)
     both = extend(here.errors, found.candidate_fit.fit, rival.candidate, [rival.candidate.start])
-    _, again = _tested_again(replace(here, base=both), found, map)
+    _, again, _ = refitted_with_alternatives(replace(here, base=both), found, map)
     assert {r.candidate.key for r in again.rivals} <= {t.candidate.key for t in others}
 
 

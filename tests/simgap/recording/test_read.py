@@ -53,7 +53,7 @@ def test_columns_arrive_under_our_names(tmp_path: Path):
 def as_npz(path: Path, columns: Columns) -> None:
     vectors = {"p": "px py pz", "q": "qw qx qy qz", "v": "vx vy vz", "w": "wx wy wz"}
     stacked = {k: np.column_stack([columns[n] for n in names.split()]) for k, names in vectors.items()}
-    np.savez(path, t=columns["t"], **stacked)
+    np.savez(path, t=columns["t"], **stacked, allow_pickle=True)
 
 
 def test_csv_parquet_and_npz_hold_the_same_trial(tmp_path: Path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -45,8 +46,10 @@ def instead(name: str, save: Callable[[Path], None]) -> Writer:
     return write
 
 
-def npz(change: Callable[[np.ndarray], object]) -> Writer:
-    return instead("t0.npz", lambda path: np.savez(path, **{n: change(v) for n, v in flight(0).items()}))
+def npz(change: Callable[[np.ndarray], Any]) -> Writer:
+    return instead(
+        "t0.npz", lambda path: np.savez(path, **{n: change(v) for n, v in flight(0).items()}, allow_pickle=True)
+    )
 
 
 def parquet(**changes: object) -> Writer:

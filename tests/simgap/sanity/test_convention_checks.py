@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,7 +11,8 @@ import pytest
 
 from schemas.physics import CollisionShape
 from sim.bullet.body import BulletBodyRollout
-from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyWindows
+from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyRollout, BodyWindows, BodyWrench
+from sim.dynamics.hooks import Params
 from simgap.sanity.convention_checks import body_engine_checks
 
 BOX = BodyModel(
@@ -32,15 +33,24 @@ NAMES = {
 }
 
 
-class Altered:
+class Altered(BodyRollout):
     """PyBullet with one convention wrong."""
 
     def __init__(self, engine: BulletBodyRollout, **changed: Callable[[Any], Any]) -> None:
         self.engine, self.changed = engine, changed
 
-    def rollout(self, model: BodyModel, windows: BodyWindows, wrenches=(), finer: float = 1.0) -> BodyMotion:
+    def rollout(
+        self,
+        model: BodyModel,
+        windows: BodyWindows,
+        wrenches: Sequence[tuple[BodyWrench, Params]] = (),
+        finer: float = 1.0,
+    ) -> BodyMotion:
         numbers = {name: change(getattr(model, name)) for name, change in self.changed.items()}
         return self.engine.rollout(replace(model, **numbers), windows, wrenches, finer)
+
+    def close(self) -> None:
+        self.engine.close()
 
 
 def test_the_engine_holds_what_it_was_given():

@@ -12,13 +12,15 @@ from simgap.kinds.mechanism.inputs import permuted_inputs
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.recording.train_test_split import split_trials
 from simgap.sanity.input_pairing import other_inputs_check, pairing_check
-from tests.suites.gap.mechanism_cases import mechanism_case
+from tests.suites.gap.mechanism_cases import mechanism_case, single_case
 
 DRIVEN, SHUFFLED, FREE = (560, 565), (358, 378), (572,)
+HIDDEN = {565: ("actuator.deadband", "slide", "middle")}
 
 
 def problem_of(number: int) -> MechanismProblem:
-    problem = mechanism_case(number).problem()
+    hidden = HIDDEN.get(number)
+    problem = (mechanism_case(number) if hidden is None else single_case(number, *hidden)).problem()
     assert isinstance(problem, MechanismProblem)
     return problem
 

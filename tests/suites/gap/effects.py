@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tests.suites.gap.truth import Plant
+from tests.suites.gap.truth import Plant, TorqueLaw
 
 Values = dict[str, float]
 
@@ -33,6 +33,7 @@ class HiddenEffect:
     scenes    where data can show it, with the names that cannot be distinguished from it there.
     made      truth numbers at a strength; `most` is the largest strength, `guess` the first one tried.
     checked   the library's parameter that is the same number, and its value.
+    torque    the law as a torque at a state, from the physics and not from the library; None where `truth` has it.
     whole     acts on the whole log, not on one joint.
     mujoco    MuJoCo can make it too.
     """
@@ -41,6 +42,7 @@ class HiddenEffect:
     scenes: Mapping[str, tuple[str, ...]]
     made: Callable[[float, Sizes], Values]
     checked: Callable[[float, Sizes], tuple[str, float]] | None = None
+    torque: TorqueLaw | None = None
     guess: float = 0.05
     most: float = 2.0
     whole: bool = False
@@ -49,11 +51,13 @@ class HiddenEffect:
 
 
 _HEAVY = ("joint.armature", "joint.gravity_load", "sensor.clock_skew", "joint.spring")
+_SLOW = ("actuator.lag", "sensor.lag")  # a linear joint does not show on which side of it a low-pass lies
 _LATE = ("actuator.delay", "sensor.latency")
 _PULL = ("joint.armature", "actuator.gain", "sensor.scale", "sensor.clock_skew")
 _ZERO = ("joint.axis_tilt", "sensor.bias")
 _PUSH = ("actuator.bias", "joint.friction_asymmetry")
 _OFFSET = ("actuator.bias", "sensor.bias", "joint.axis_tilt")
+_GAINS = ("robot.pd_gains",)  # friction in proportion to speed is a gain on the rate
 
 EFFECTS: tuple[HiddenEffect, ...] = (
     HiddenEffect(
@@ -65,7 +69,7 @@ EFFECTS: tuple[HiddenEffect, ...] = (
     ),
     HiddenEffect(
         "joint.viscous_friction",
-        {"swing": (), "driven": (), "slide": (), "servo": (), "chain": ()},
+        {"swing": (), "driven": (), "slide": (), "servo": _GAINS, "chain": ()},
         lambda s, z: {"viscous": s * z.torque / z.speed},
         lambda s, z: ("damping_Nms_per_rad", s * z.torque / z.speed),
         mujoco=True,
@@ -82,6 +86,7 @@ EFFECTS: tuple[HiddenEffect, ...] = (
         {"swing": (), "driven": (), "slide": ()},
         lambda s, z: {"drag": s * z.torque / z.speed**2},
         lambda s, z: ("drag_Nms2_per_rad2", s * z.torque / z.speed**2),
+        torque=lambda h, q, v: -h("drag") * v * np.abs(v),
     ),
     HiddenEffect(
         "joint.friction_asymmetry",
@@ -119,6 +124,7 @@ EFFECTS: tuple[HiddenEffect, ...] = (
         {"swing": (), "driven": (), "slide": ()},
         lambda s, z: {"cogging": s * z.torque, "teeth": 12.0 / z.reach},
         lambda s, z: ("torque_Nm", s * z.torque),
+        torque=lambda h, q, v: -h("cogging") * np.cos(h("teeth") * q + 0.4),
         guess=0.05,
     ),
     HiddenEffect(
@@ -156,7 +162,7 @@ EFFECTS: tuple[HiddenEffect, ...] = (
     ),
     HiddenEffect(
         "actuator.lag",
-        {"driven": (), "slide": (), "servo": ()},
+        {"driven": _SLOW, "slide": _SLOW, "servo": _SLOW},
         lambda s, z: {"lag_s": s},
         lambda s, z: ("lag_s", s),
         guess=0.02,
@@ -231,6 +237,30 @@ EFFECTS: tuple[HiddenEffect, ...] = (
         most=0.9,
         whole=True,
     ),
+    HiddenEffect(
+        "sensor.lag",
+        {"driven": _SLOW, "slide": _SLOW, "servo": _SLOW},
+        lambda s, z: {"sensor_lag_s": s},
+        lambda s, z: ("time_constant_s", s),
+        guess=0.02,
+        most=0.25,
+    ),
+    HiddenEffect(
+        "robot.pd_gains",
+        {"servo": ("joint.viscous_friction",)},  # slow tones show the ratio of both gains alone
+        lambda s, z: {"kp_share": -s},
+        lambda s, z: ("kp", (1.0 - s) * z.kp),
+        guess=0.1,
+        most=0.8,
+    ),
+    HiddenEffect(  # a drive that gives energy: its rate is late, or its gain on the rate is smaller than declared
+        "joint.viscous_friction",
+        {"driven": (), "servo": _GAINS},
+        lambda s, z: {"viscous": -s * z.torque / z.speed},
+        lambda s, z: ("damping_Nms_per_rad", -s * z.torque / z.speed),
+        guess=0.03,
+        most=0.15,
+    ),
 )
 
 # Listed as alone, yet the same law: with stamps that run fast by f under efforts held from row to row a joint obeys
@@ -248,8 +278,11 @@ OUTSIDE: dict[str, Callable[[float, Sizes], Values]] = {
 }
 
 
+LAWS: tuple[TorqueLaw, ...] = tuple(e.torque for e in EFFECTS if e.torque is not None)
+
+
 def effect_named(name: str) -> HiddenEffect:
-    """The hidden effect of that name."""
+    """The first hidden effect of that name."""
     return next(e for e in EFFECTS if e.name == name)
 
 

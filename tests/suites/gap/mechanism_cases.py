@@ -10,7 +10,17 @@ from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.recording.train_test_split import split_trials
 from tests.suites.gap import mujoco_truth, truth
 from tests.suites.gap.case import Case, Family
-from tests.suites.gap.effects import EFFECTS, OUTSIDE, SAME_LAW, HiddenEffect, Sizes, hidden_numbers, with_friction
+from tests.suites.gap.effects import (
+    EFFECTS,
+    LAWS,
+    OUTSIDE,
+    SAME_LAW,
+    HiddenEffect,
+    Sizes,
+    effect_named,
+    hidden_numbers,
+    with_friction,
+)
 from tests.suites.gap.power import GAINS, chance, ideal_gain, size_of, sized
 from tests.suites.gap.readings import declared_spec, measurement, read
 from tests.suites.gap.truth import STEP_S, Hidden, Plant
@@ -21,6 +31,7 @@ _ROUND: tuple[Family, ...] = (
     *("control", "single", "outside", "control", "two", "single", "control", "pair", "single", "control"),
     *("single", "two", "control", "single", "control", "outside", "pair", "single", "control", "two"),
 )
+_STRIDES = (17, 19, 23)
 _CONTROLS = ("none", "nuisance", "coloured", "engine", "declared", "finer", "shuffled")
 _DRIVEN = ("driven", "slide", "servo")
 _ALONE = tuple((e, s) for e in EFFECTS for s, doubles in e.scenes.items() if not doubles)
@@ -52,11 +63,16 @@ def mechanism_case(number: int) -> Case:
     size = list(GAINS)[(turn + turn // len(EFFECTS)) % 3]
     if family == "two":
         first, second, scene = _TWO[turn % len(_TWO)]
-        chosen = [e for name in (first, second) for e in EFFECTS if e.name == name]
-        return _hidden(number, family, scene, chosen, "large", noise)
+        return _hidden(number, family, scene, [effect_named(first), effect_named(second)], "large", noise)
     table = _ALONE if family == "single" else _DOUBLED
-    one, scene = table[(turn * 17) % len(table)]  # 17 shares no factor with either length: all come by
+    stride = next(n for n in _STRIDES if len(table) % n)  # shares no factor with the length: all come by
+    one, scene = table[(turn * stride) % len(table)]
     return _hidden(number, family, scene, [one], size, noise)
+
+
+def single_case(number: int, name: str, scene: str, size: str, noise: float = 1.0) -> Case:
+    """One hidden effect that has no double there; a further row in the list of hidden effects leaves it as it is."""
+    return _hidden(number, "single", scene, [effect_named(name)], size, noise)
 
 
 def family_of(number: int) -> Family:
@@ -64,7 +80,7 @@ def family_of(number: int) -> Family:
     return _ROUND[number % len(_ROUND)]
 
 
-class _Stage:
+class Stage:
     """A plant with its inputs, starts and noise, ready to be recorded with anything hidden in it."""
 
     def __init__(self, number: int, scene: str, noise: float, friction_share: float = 0.0) -> None:
@@ -84,7 +100,7 @@ class _Stage:
         """Positions on the fine grid."""
         if self.mujoco:
             return mujoco_truth.simulate(self.plant, hidden, self.inputs, self.start, ROW_S)
-        return truth.simulate(self.plant, hidden, self.inputs, self.start, ROW_S, self.supply_V)
+        return truth.simulate(self.plant, hidden, self.inputs, self.start, ROW_S, self.supply_V, LAWS)
 
     def problem(self, hidden: Hidden, colour: float = 0.0, shuffled: bool = False) -> MechanismProblem:
         """What the tool gets: readings of that motion."""
@@ -123,7 +139,7 @@ class _Stage:
 
 
 def _hidden(number: int, family: Family, scene: str, chosen: list[HiddenEffect], size: str, noise: float) -> Case:
-    stage = _Stage(number, scene, noise, max(e.declared_friction for e in chosen))
+    stage = Stage(number, scene, noise, max(e.declared_friction for e in chosen))
     stage.mujoco = number % 3 == 0 and all(e.mujoco for e in chosen)
     strengths, gain = [], 0.0
     for one in chosen:
@@ -167,7 +183,7 @@ def _hidden(number: int, family: Family, scene: str, chosen: list[HiddenEffect],
 
 def _outside(number: int, turn: int, noise: float) -> Case:
     kind = list(OUTSIDE)[turn % len(OUTSIDE)]
-    stage = _Stage(number, ("swing", "driven", "slide")[(turn // len(OUTSIDE)) % 3], noise)
+    stage = Stage(number, ("swing", "driven", "slide")[(turn // len(OUTSIDE)) % 3], noise)
 
     def at(strength: float) -> MechanismProblem:
         if strength == 0.0:
@@ -184,7 +200,7 @@ def _control(number: int, turn: int, noise: float) -> Case:
     kind = _CONTROLS[turn % len(_CONTROLS)]
     scenes = _DRIVEN if kind == "shuffled" else ("swing", "driven", "slide", "servo", "chain", "low_swing")
     scene = scenes[(turn // len(_CONTROLS) + turn) % len(scenes)]
-    stage = _Stage(number, scene, noise, 0.08 if kind == "declared" else 0.0)
+    stage = Stage(number, scene, noise, 0.08 if kind == "declared" else 0.0)
     hidden: dict[str, float] = {}
     if kind in ("nuisance", "declared"):
         rng = np.random.default_rng(number)

@@ -8,7 +8,7 @@ import numpy as np
 
 from simgap.inference.fit import Fit, fit, robust_scale, rollout_errors
 from simgap.inference.losses import paired_p, trial_losses
-from simgap.problem import Problem, with_initial_states_at
+from simgap.problem import Problem
 
 GAINS = {"small": 0.02, "middle": 0.10, "large": 0.40}  # shares of the null refit's rms error
 _TRIES = 7
@@ -67,7 +67,7 @@ def chance(hidden: Problem, plain: Problem, trials: Sequence[str]) -> float:
 
     def refitted(problem: Problem, scale: np.ndarray | None) -> tuple[Fit, np.ndarray]:
         first = fit(rollout_errors(problem, trials, view, robust_scale(problem, (), trials, view)), problem.nuisances())
-        here = with_initial_states_at(problem, first.model)
+        here = problem.with_initial_states_at(first.model)
         level = robust_scale(here, first.model, trials, view) if scale is None else scale
         return fit(rollout_errors(here, trials, view, level), problem.nuisances()), level
 

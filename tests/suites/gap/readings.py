@@ -33,7 +33,8 @@ def read(
     rows = round(steps * STEP_S / row_s)
     t = np.arange(rows) * row_s + np.clip(rng.normal(0.0, _JITTER, (trials, rows)), -0.2, 0.2) * row_s
     t = np.clip(t, 0.0, fine[-1])
-    late = float(np.max(h("latency_s")))
+    late, slow = (float(np.max(h(name))) for name in ("latency_s", "sensor_lag_s"))
+    motion = _low_passed(motion, slow) if slow > 0.0 else motion
     q = np.stack([[np.interp(t[k] - late, fine, motion[k, :, j]) for j in range(joints)] for k in range(trials)])
     q = q.transpose(0, 2, 1) * (1.0 + h("scale_share")) + h("zero_rad")
     error = rng.normal(0.0, noise * NOISE, q.shape)
@@ -43,6 +44,16 @@ def read(
     recorded = rng.random((trials, rows)) >= _LOST
     recorded[:, [0, -1]] = True
     return t * (1.0 + float(np.max(h("clock_share")))), np.round((q + error) / count) * count, recorded
+
+
+def _low_passed(motion: np.ndarray, slow_s: float) -> np.ndarray:
+    """What a resistor and a capacitor make of a motion (k, steps, j) that begins at rest: step by step, trapezoidal."""
+    share = 0.5 * STEP_S / slow_s
+    out = motion.copy()
+    for step in range(1, motion.shape[1]):
+        driven = share * (motion[:, step] + motion[:, step - 1])
+        out[:, step] = ((1.0 - share) * out[:, step - 1] + driven) / (1.0 + share)
+    return out
 
 
 def measurement(

@@ -64,7 +64,7 @@ def test_a_scale_on_which_falls_and_rest_differ_is_left_as_it_was_fitted():
     # Not replaced yet when the scale is estimated: then rest shows another scale.
     shrunk = Term(size, {"factor": 0.95})
     alone, both = ((Term(scale, {"factor": 0.95}),), (Term(scale, {"factor": 0.95}), shrunk))
-    with_direct = [problem._with_direct_values(model, problem.trial_ids) for model in (alone, both)]  # pyright: ignore[reportPrivateUsage]
+    with_direct = [problem._with_direct_values(model, problem.trial_ids) for model in (alone, both)]
     assert with_direct[0][0].values["factor"] == pytest.approx(0.95, abs=0.002)
     assert with_direct[0][0].values["factor"] != 0.95
     assert with_direct[1][0].values["factor"] == 0.95
@@ -73,7 +73,7 @@ def test_a_scale_on_which_falls_and_rest_differ_is_left_as_it_was_fitted():
 def test_a_trial_as_long_as_a_window_leaves_the_others_as_they_are():
     problem = free_body_case(2).problem()
     assert isinstance(problem, FreeBodyProblem)
-    trials, rows = problem.measurement.trials, problem._rows  # pyright: ignore[reportPrivateUsage]
+    trials, rows = problem.measurement.trials, problem._rows
     short = trials[0].rows(np.arange(rows))
     mixed = FreeBodyProblem(replace(problem.measurement, trials=(short, *trials[1:3])), problem.simulator)
     alone = mixed.residuals((), problem.trial_ids[1:3], "short_horizon")

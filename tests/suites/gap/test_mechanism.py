@@ -10,7 +10,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from schemas.gap import EFFECT_NAMES
+from sim.effects.library import EFFECT_NAMES
 from simgap.inference.agreement import agree, with_fixed_shape
 from simgap.inference.forward_selection import select
 from simgap.kinds.mechanism.equation_error import smooth_means
@@ -19,9 +19,9 @@ from simgap.problem import Term
 from simgap.recording.train_test_split import split_trials
 from tests.suites.gap import mujoco_truth, truth
 from tests.suites.gap.effects import EFFECTS
-from tests.suites.gap.mechanism_cases import family_of, mechanism_case
+from tests.suites.gap.mechanism_cases import family_of, mechanism_case, single_case
 from tests.suites.gap.run import run_case
-from tests.suites.gap.table import _risk_over_coverage, table  # pyright: ignore[reportPrivateUsage]
+from tests.suites.gap.table import _risk_over_coverage, table
 from tests.suites.gap.truth import Plant
 
 ROW_S = 5e-3
@@ -100,7 +100,7 @@ def test_controls_stay_without_a_name():
 
 
 def test_an_effect_of_large_size_is_named_and_the_table_says_so():
-    record = run_case(mechanism_case(68))
+    record = run_case(single_case(68, "joint.viscous_friction", "swing", "large"))
     assert record["size"] == "large"
     assert record["outcome"] == "named", record["said"]
     assert "| named, large | >= 85 % | 1/1 = 100%" in table([record])
@@ -146,23 +146,23 @@ def test_the_noise_of_a_start_counts_as_far_as_the_mechanism_carries_it(scene: s
 
 def test_strengths_of_two_routes_are_compared_at_one_shape():
     """Torque and speed of Stribeck friction trade against one another: apart by three times, yet one curve."""
-    problem = mechanism_case(1048).problem()
+    problem = single_case(1048, "joint.stribeck_friction", "slide", "large", 3.0).problem()
     rubbing = next(c for c in problem.candidates() if c.effect.name == "joint.stribeck_friction")
     rolled_out = Term(rubbing, {"torque_Nm": 27.3, "velocity_radps": 0.272})
     freely, pinned = (problem.direct(c, (), problem.trial_ids) for c in (rubbing, with_fixed_shape(rolled_out)))
     assert freely is not None
     assert pinned is not None
     assert freely.values["torque_Nm"] > 3.0 * rolled_out.values["torque_Nm"]
-    assert not agree(rolled_out, {}, freely)
-    assert agree(rolled_out, {}, pinned)
+    assert not agree(rolled_out, {}, freely).kept
+    assert agree(rolled_out, {}, pinned).kept
 
 
 def test_a_lag_that_a_delay_mimics_gets_no_sure_name():
-    record = run_case(mechanism_case(1230))
+    record = run_case(single_case(1230, "actuator.lag", "driven", "large"))
     assert record["outcome"] not in ("wrong", "invented", "overconfident"), record["said"]
 
 
 def test_a_stop_that_four_trials_of_sixteen_meet_is_named():
-    record = run_case(mechanism_case(2265))
+    record = run_case(single_case(2265, "joint.hard_stop", "slide", "middle", 3.0))
     assert record["outcome"] == "named", record["said"]
     assert record["covered"] == [True]

@@ -8,7 +8,7 @@ saturates softly, and a chain is its two coupled equations written out.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,8 @@ STEP_S = 5e-4
 GRAVITY = 9.81
 _BRISTLE = 3e-4  # rad or m of deflection before a joint slips
 Hidden = Mapping[str, np.ndarray | float]  # numbers per joint (j,)
+Number = Callable[[str], np.ndarray | float]  # a hidden number by name, 0 where it is not hidden
+TorqueLaw = Callable[[Number, np.ndarray, np.ndarray], np.ndarray]  # torque (k, j) at positions and rates (k, j)
 
 
 @dataclass(frozen=True)
@@ -45,11 +47,17 @@ class Plant:
 
 
 def simulate(
-    plant: Plant, hidden: Hidden, inputs: np.ndarray, start: np.ndarray, row_s: float, supply_V: np.ndarray
+    plant: Plant,
+    hidden: Hidden,
+    inputs: np.ndarray,
+    start: np.ndarray,
+    row_s: float,
+    supply_V: np.ndarray,
+    laws: Sequence[TorqueLaw] = (),
 ) -> np.ndarray:
     """Positions (k, steps, j) every `STEP_S` under inputs (k, rows, j) held from row to row, from rest at start (k, j).
 
-    `supply_V` (k, rows) moves the drive's strength when `sag` is hidden.
+    `supply_V` (k, rows) moves the drive's strength when `sag` is hidden; `laws` add torques that depend on the state.
     """
 
     def h(name: str) -> np.ndarray | float:
@@ -70,7 +78,8 @@ def simulate(
         row, before = (max(step - late - k, 0) // every for k in (0, 1))
         sent = 0.5 * (inputs[:, row] + inputs[:, before])
         effort = _effort(plant, h, memory, sent, q, v, supply_V[:, step // every, None])
-        torque = effort + push[:, step] + _passive(plant, h, memory, q, v) - _friction(plant, h, memory, q, v)
+        passive = sum((law(h, q, v) for law in laws), _passive(plant, h, memory, q, v))
+        torque = effort + push[:, step] + passive - _friction(plant, h, memory, q, v)
         # Rates are those of half a step ago; how links whirl one another depends on them too strongly for that.
         gained = STEP_S * _accelerations(plant, h, q, v + 0.5 * gained, torque)
         v = v + gained
@@ -113,7 +122,8 @@ def _effort(plant, h, memory, sent, q, v, supply_V):
     if np.max(h("lag_s")) > 0.0:
         memory["lagged"] += (1.0 - np.exp(-STEP_S / np.max(h("lag_s")))) * (sent - memory["lagged"])
         sent = memory["lagged"]
-    asked = plant.kp * (sent - q) - plant.kd * v if plant.drive == "position_pd" else sent
+    kp, kd = plant.kp * (1.0 + h("kp_share")), plant.kd * (1.0 + h("kd_share"))
+    asked = kp * (sent - q) - kd * v if plant.drive == "position_pd" else sent
     if np.max(h("limit")) > 0.0:
         asked = asked / (1.0 + np.abs(asked / np.max(h("limit"))) ** 8) ** 0.125
     if np.max(h("band")) > 0.0:
@@ -141,8 +151,7 @@ def _through_play(plant, gap, memory, effort, q, v):
 def _passive(plant, h, memory, q, v):
     """Torque of everything smooth that is not a drive."""
     torque = -_gravity(plant, h, q) - (plant.damping * (1.0 + h("damping_share")) + h("viscous")) * v
-    torque = torque - h("drag") * v * np.abs(v) - h("spring") * (q - h("rest"))
-    torque = torque - h("cogging") * np.cos(h("teeth") * q + 0.4)
+    torque = torque - h("spring") * (q - h("rest"))
     if np.max(h("stop_stiffness")) > 0.0:
         deep = np.maximum(q - h("stop_at"), 0.0)
         torque = torque - np.maximum(h("stop_stiffness") * deep**1.5 * (1.0 + 0.3 * v), 0.0)

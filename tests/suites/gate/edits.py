@@ -1,8 +1,5 @@
 """Edits of a USD stage that break one thing in a clean package, and the prim paths they use."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import hashlib

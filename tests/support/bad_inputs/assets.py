@@ -121,7 +121,9 @@ def moved(mesh: trimesh.Trimesh, *offset: float) -> trimesh.Trimesh:
 
 
 def joined(*meshes: trimesh.Trimesh) -> trimesh.Trimesh:
-    return trimesh.util.concatenate(meshes)
+    whole = trimesh.util.concatenate(meshes)
+    assert isinstance(whole, trimesh.Trimesh)
+    return whole
 
 
 def faces_of(mesh: trimesh.Trimesh, faces: np.ndarray) -> trimesh.Trimesh:

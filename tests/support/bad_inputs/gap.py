@@ -60,7 +60,7 @@ def flight(seed: int, rows: int = 60, noise: bool = True, late_s: np.ndarray | f
     v0, w_B = rng.normal([0.0, 0.0, 3.0], 1.0), rng.normal(0.0, 4.0, 3)
     g = np.array([0.0, 0.0, -9.81])
     p = rng.normal(0.0, 0.3, 3) + t[:, None] * v0 + 0.5 * t[:, None] ** 2 * g
-    turn = Rotation.random(random_state=seed) * Rotation.from_rotvec(t[:, None] * w_B)
+    turn = Rotation.random(rng=np.random.default_rng(seed)) * Rotation.from_rotvec(t[:, None] * w_B)
     quats = np.roll(turn.as_quat(), 1, axis=1)
     v = v0 + t[:, None] * g
     w = np.tile(w_B, (rows, 1))

@@ -46,7 +46,7 @@ def damaged(folder: Path) -> Path:
 
 
 def flat_mesh(folder: Path) -> Path:
-    np.savez(staged(folder) / "meshes_body_frame.npz", **{"lower|geom4|v": np.eye(3)})
+    np.savez(staged(folder) / "meshes_body_frame.npz", **{"lower|geom4|v": np.eye(3)}, allow_pickle=True)
     return folder
 
 

@@ -43,7 +43,7 @@ def draws(
                     high_m = np.minimum(high_m, np.array(bounds[1::2]) * 1e-6)
                 assert (low_m <= high_m + 1e-6).all(), (name, case.family, low_m - high_m)
                 at = low_m + np.array([_share(rng), _share(rng)]) * (high_m - low_m)
-                placements[name] = Placement(*at.tolist(), yaw, case.stances[i], case.base_um[i] * 1e-6)
+                placements[name] = Placement(float(at[0]), float(at[1]), yaw, case.stances[i], case.base_um[i] * 1e-6)
         yield placements
 
 

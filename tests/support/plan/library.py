@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import numpy as np
 
-from schemas.scene.compiled import Prism
+from schemas.scene.geometry import Prism
 from schemas.scene.program import BoxAsset, Lighting, PairedMaterial
 from schemas.scene.runtime_plan import (
     PlanBody,
@@ -37,7 +38,9 @@ def box_body(
     up = PlanStance(name="upright", quat_wxyz=UPRIGHT, origin_height_m=0.0, prisms=(slab(width_m, depth_m, height_m),))
     # Turned by a quarter about y: +x of the asset points down, its top to +x; the origin lies in mid-side.
     side = Prism(
-        outline_m=((0.0, -depth_m / 2), (height_m, -depth_m / 2), (height_m, depth_m / 2), (0.0, depth_m / 2)),
+        outline_m=np.array(
+            ((0.0, -depth_m / 2), (height_m, -depth_m / 2), (height_m, depth_m / 2), (0.0, depth_m / 2))
+        ),
         low_m=0.0,
         high_m=width_m,
     )
@@ -49,7 +52,7 @@ def round_body(name: str, radius_m: float, corners: int, height_m: float = 0.03)
     """A prism over a regular polygon."""
     turns = 2.0 * np.pi * np.arange(corners) / corners
     outline = tuple((round(radius_m * float(np.cos(t)), 9), round(radius_m * float(np.sin(t)), 9)) for t in turns)
-    prism = Prism(outline_m=outline, low_m=0.0, high_m=height_m)
+    prism = Prism(outline_m=np.array(outline), low_m=0.0, high_m=height_m)
     return PlanBody(
         asset_id=name,
         stances=(PlanStance(name="upright", quat_wxyz=UPRIGHT, origin_height_m=0.0, prisms=(prism,)),),
@@ -58,7 +61,7 @@ def round_body(name: str, radius_m: float, corners: int, height_m: float = 0.03)
 
 def slab(width_m: float, depth_m: float, height_m: float) -> Prism:
     """A box as a prism."""
-    return Prism(outline_m=rectangle(width_m, depth_m), low_m=0.0, high_m=height_m)
+    return Prism(outline_m=np.array(rectangle(width_m, depth_m)), low_m=0.0, high_m=height_m)
 
 
 def rectangle(width_m: float, depth_m: float) -> tuple[tuple[float, float], ...]:
@@ -79,16 +82,16 @@ _STEPS_MRAD = np.arange(-3141, 3142)
 
 def yaws_that_fit(body: PlanBody, width_um: int, depth_um: int) -> tuple[tuple[int, int], ...]:
     """Yaws at which the upright footprint fits a cell, in steps of a milliradian."""
-    width_m, depth_m = _turned_extents_m(body.stances[0].prisms[0].outline_m)
+    width_m, depth_m = _turned_extents_m(body.stances[0].prisms[0])
     fits = (width_m <= width_um * 1e-6) & (depth_m <= depth_um * 1e-6)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], fits, [False]]).astype(int)))
     return tuple((int(_STEPS_MRAD[a]) * 1000, int(_STEPS_MRAD[b - 1]) * 1000) for a, b in edges.reshape(-1, 2))
 
 
 @functools.cache
-def _turned_extents_m(outline_m: tuple[tuple[float, float], ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Extents in x and y (steps,) of an outline at each yaw."""
-    corners, turns = np.array(outline_m), _STEPS_MRAD * 1e-3
+def _turned_extents_m(prism: Prism) -> tuple[np.ndarray, np.ndarray]:
+    """Extents in x and y (steps,) of a prism at each yaw."""
+    corners, turns = prism.outline_m, _STEPS_MRAD * 1e-3
     x = np.outer(corners[:, 0], np.cos(turns)) - np.outer(corners[:, 1], np.sin(turns))
     y = np.outer(corners[:, 0], np.sin(turns)) + np.outer(corners[:, 1], np.cos(turns))
     return np.ptp(x, axis=0), np.ptp(y, axis=0)
@@ -106,7 +109,7 @@ def grid_plan(n: int, cases: int, seed: int = 0, bodies: tuple[PlanBody, ...] | 
     made = tuple(_grid_case(rng, bodies, columns, rows) for _ in range(cases))
     names = tuple(f"thing{i}" for i in range(n))
     combination = PlanCombination(
-        X_WB=tuple(map(tuple, np.eye(4).tolist())),
+        X_WB=((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)),
         places=(("background", surface("top", 1.2, 0.8, (0.0, 0.0, 0.7))),),
         things=tuple(PlanThing(id=name, bodies=(i,), parent="background", place=0) for i, name in enumerate(names)),
         pools=(PlanPool(things=names, cases=made),),
@@ -136,13 +139,13 @@ def _edges(rng: np.random.Generator, count: int, total_um: int) -> list[int]:
     return [round(edge) for edge in even.tolist()]
 
 
-def single(name: str, cell_um: tuple[int, int, int, int], *, stance: int = 0, **more: object) -> PlanPool:
+def single(name: str, cell_um: tuple[int, int, int, int], *, stance: int = 0, **more: Any) -> PlanPool:
     """A pool of one thing with one cell and free yaw."""
     case = PlanCase(
         family="free_rectangle",
         cells_um=(cell_um,),
-        origins_um=(more.get("origin"),),  # type: ignore[arg-type]
-        yaws_urad=(more.get("yaws", FREE),),  # type: ignore[arg-type]
+        origins_um=(more.get("origin"),),
+        yaws_urad=(more.get("yaws", FREE),),
         stances=(stance,),
         base_um=(0,),
     )

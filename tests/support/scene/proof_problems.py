@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from shapely import Polygon, box
 
-from scenec.ir.problem import WORLD_PARENT, Body, Domain, Problem, RelationIR, Slab, Stance, Surface, Thing, Volume
+from scenec.ir.problem import Body, Problem, Thing
+from schemas.scene.geometry import BACKGROUND, Domain, Prism, ScenePlace, SceneRelation, Stance
 
 ANY = (-np.inf, np.inf)
 
@@ -16,24 +17,24 @@ def outline(width: float, depth: float) -> np.ndarray:
 
 def box_body(name: str, width: float, depth: float, height: float = 0.05, holds: bool = False) -> Body:
     """A box; with `holds`, its top is a surface."""
-    stance = Stance((1.0, 0.0, 0.0, 0.0), (Slab(outline(width, depth), 0.0, height),), 0.0)
-    top = Surface("top", Polygon(outline(width, depth)), np.array([0.0, 0.0, height]))
+    stance = Stance((1.0, 0.0, 0.0, 0.0), (Prism(outline(width, depth), 0.0, height),), 0.0)
+    top = ScenePlace("top", Polygon(outline(width, depth)), np.array([0.0, 0.0, height]))
     return Body(name, (stance,), (top,) if holds else ())
 
 
-def table(width: float, depth: float, clearance: float = np.inf) -> Surface:
-    return Surface("tabletop", box(-width / 2, -depth / 2, width / 2, depth / 2), np.zeros(3), clearance)
+def table(width: float, depth: float, clearance: float = np.inf) -> ScenePlace:
+    return ScenePlace("tabletop", box(-width / 2, -depth / 2, width / 2, depth / 2), np.zeros(3), clearance)
 
 
 def thing(
     name: str,
     size: tuple[float, float] | Body,
-    place: Surface | Volume,
+    place: ScenePlace,
     *,
     x=ANY,
     y=ANY,
     yaw=(0.0, 0.0),
-    parent: str = WORLD_PARENT,
+    parent: str = BACKGROUND,
     height: float = 0.05,
     fixed_poses=(),
 ) -> Thing:
@@ -42,8 +43,8 @@ def thing(
     return Thing(name, body, parent, place, Domain(x, y, yaw, (0,), fixed_poses, (*path, "placement", "ranges")), path)
 
 
-def left_of(number: int, one: str, two: str, gap: float = 0.0) -> RelationIR:
-    return RelationIR("before", (one, two), (1.0, 0.0), gap, path=("relations", number), word="left_of")
+def left_of(number: int, one: str, two: str, gap: float = 0.0) -> SceneRelation:
+    return SceneRelation("before", (one, two), (1.0, 0.0), gap, path=("relations", number), word="left_of")
 
 
 def problem(things, relations=(), clearance: float = 0.01, **rules) -> Problem:

@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 from shapely import box
 
-from scenec.ir.problem import KeepOutIR, Problem, ReachIR, RelationIR
-from tests.support.scene.proof_problems import box_body, problem, table, thing
+from scenec.ir.problem import Problem
+from schemas.scene.geometry import KeepOutVolume, ReachRing, SceneRelation
+from tests.support.scene.proof_problems import ANY, box_body, problem, table, thing
 
 CM = 0.01
+OFF_GRID_M = 0.006  # so that no bound is met exactly, in a single pose
 
 
 def random_problem(seed: int) -> Problem:
@@ -43,10 +45,10 @@ def random_problem(seed: int) -> Problem:
             CM * rng.integers(0, round(depth / CM) - 3) - depth / 2,
         )
         polygon = box(x, y, x + CM * rng.integers(3, 8), y + CM * rng.integers(3, 8))
-        rules["keep_outs"] = (KeepOutIR("background", place, polygon, 0.1, ("keep_outs", 0)),)
+        rules["keep_outs"] = (KeepOutVolume("background", place, polygon, 0.1, ("keep_outs", 0)),)
     if rng.random() < 0.15:
         base = np.array([0.0, -depth / 2 - 0.05, 0.0])
-        rules["reach"] = ReachIR(base, 0.05, CM * rng.integers(6, 20), ("o0", "o1"), ("reach",))
+        rules["reach"] = ReachRing(base, 0.05, CM * rng.integers(6, 20), ("o0", "o1"), ("reach",))
     return problem(things, relations, float(rng.choice([0.0, 0.01, 0.02])), **rules)
 
 
@@ -61,9 +63,9 @@ def mixed_problem(seed: int) -> Problem:
     place = table(width, area / width)
     things = []
     for k, size in enumerate(sizes):
-        ranges = {"x": (-width / 2, float(rng.uniform(-0.2, 0.5)) * width)} if rng.random() < 0.15 else {}
+        x = (-width / 2, float(rng.uniform(-0.2, 0.5)) * width) if rng.random() < 0.15 else ANY
         yaw = (0.0, 0.0) if rng.random() < 0.3 else (-np.pi, np.pi)
-        things.append(thing(f"o{k}", (float(size[0]), float(size[1])), place, yaw=yaw, **ranges))
+        things.append(thing(f"o{k}", (float(size[0]), float(size[1])), place, x=x, yaw=yaw))
     if rng.random() < 0.33:
         tray = box_body("tray", 0.3, 0.22, 0.02, holds=True)
         big = table(width + 0.45, max(area / width, 0.45))
@@ -77,23 +79,23 @@ def mixed_problem(seed: int) -> Problem:
     if rng.random() < 0.2:
         x, y = rng.uniform(-0.5, 0.3, 2) * [width, area / width]
         polygon = box(x, y, x + 0.15 * width, y + 0.15 * area / width)
-        rules["keep_outs"] = (KeepOutIR("background", place, polygon, 0.1, ("keep_outs", 0)),)
+        rules["keep_outs"] = (KeepOutVolume("background", place, polygon, 0.1, ("keep_outs", 0)),)
     return problem(things, relations, float(rng.choice([0.0, 0.005, 0.01])), **rules)
 
 
-def _relation(rng: np.random.Generator, number: int, count: int) -> RelationIR:
+def _relation(rng: np.random.Generator, number: int, count: int) -> SceneRelation:
     one, two = (f"o{k}" for k in rng.choice(count, 2, replace=False))
     path = ("relations", number)
     kind = rng.choice(["before", "near", "far_from", "aligned", "facing"], p=[0.6, 0.1, 0.1, 0.1, 0.1])
     if kind == "before":
         direction = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)][rng.integers(4)]
-        return RelationIR("before", (one, two), direction, CM * int(rng.integers(0, 4)), path=path)
+        return SceneRelation("before", (one, two), direction, CM * int(rng.integers(0, 4)), path=path)
     if kind in ("near", "far_from"):
-        return RelationIR(kind, (one, two), gap_m=CM * int(rng.integers(1, 8)), path=path)
+        return SceneRelation(kind, (one, two), gap_m=CM * int(rng.integers(1, 8)), path=path)
     if kind == "aligned":
         direction = [(1.0, 0.0), (0.0, 1.0)][rng.integers(2)]
-        return RelationIR("aligned", (one, two), direction, tolerance=CM * int(rng.integers(0, 2)), path=path)
-    return RelationIR("facing", (one, two), tolerance=float(rng.choice([0.2, 0.5])), path=path)
+        return SceneRelation("aligned", (one, two), direction, tolerance=CM * int(rng.integers(0, 2)), path=path)
+    return SceneRelation("facing", (one, two), tolerance=float(rng.choice([0.2, 0.5])), path=path)
 
 
 def tray_problem(seed: int) -> Problem:
@@ -118,8 +120,8 @@ def tray_problem(seed: int) -> Problem:
         frame = str(rng.choice(frames)) if kind in ("before", "aligned") else "background"
         angle = float(rng.choice([0.0, np.pi / 2, 0.4]))
         relations.append(
-            RelationIR(
-                kind if kind != "between" or more else "near",  # pyright: ignore[reportArgumentType]
+            SceneRelation(
+                kind if kind != "between" or more else "near",
                 (one, two, more[0]) if kind == "between" and more else (one, two),
                 (float(np.cos(angle)), float(np.sin(angle))),
                 float(rng.uniform(0.02, 0.2)) if kind in ("near", "far_from", "between") else 0.01,
@@ -129,3 +131,41 @@ def tray_problem(seed: int) -> Problem:
             )
         )
     return problem(things, relations, 0.01)
+
+
+def word_problem(kind: str, seed: int) -> Problem:
+    """Two to four small boxes with one or two relations, one of them of this kind: `above` (with boxes on two boards,
+    some over one another), `surrounding` or `in_line`. Small enough for all poses of a grid."""
+    rng = np.random.default_rng([11, len(kind), seed])
+    width, depth = CM * rng.integers(11, 17), CM * rng.integers(8, 13)
+    count = {"above": 2, "surrounding": 4, "in_line": 3}[kind] if rng.random() < 0.6 else 3
+    boards = [table(width, depth), replace(table(width, depth), name="board", origin_P_m=np.array([0.0, 0.0, 0.1]))]
+    things = []
+    for k in range(count):
+        size = CM * rng.integers(2, 5, 2)
+        x = (-CM * rng.integers(0, 8), CM * rng.integers(0, 8)) if rng.random() < 0.2 else ANY
+        board = boards[rng.integers(2)] if kind == "above" else boards[0]
+        height = CM * int(rng.integers(3, 8))
+        things.append(thing(f"o{k}", tuple(size), board, yaw=(0.0, 0.0), height=height, x=x))
+    names = tuple(f"o{k}" for k in rng.permutation(count))
+    path = ("relations", 0)
+    if kind == "above":
+        relations = [SceneRelation("above", names[:2], gap_m=CM * int(rng.integers(0, 6)), path=path)]
+        if rng.random() < 0.5:
+            relations.append(SceneRelation("near", names[:2], gap_m=0.0, path=path))
+    elif kind == "surrounding":
+        even, off = 2.0 * np.pi / (count - 1), float(rng.choice([0.3, 0.6]))
+        angle = (even - off, even + off) if rng.random() < 0.5 else (float(rng.uniform(0.7, 1.1)) * even, 2.0 * np.pi)
+        relations = [SceneRelation("surrounding", names, path=path, angle_rad=angle)]
+        if rng.random() < 0.5:
+            relations += [
+                SceneRelation("near", (names[0], o), gap_m=CM * int(rng.integers(1, 3)) + OFF_GRID_M) for o in names[1:]
+            ]
+    else:
+        direction = [(1.0, 0.0), (0.0, 1.0)][rng.integers(2)]
+        spacing = CM * int(rng.integers(2, 8)) if rng.random() < 0.7 else 0.0
+        tolerance = CM * int(rng.integers(0, 2)) + OFF_GRID_M
+        relations = [SceneRelation("in_line", names, direction, spacing, tolerance, path=path)]
+    if rng.random() < 0.4:
+        relations.append(_relation(rng, 1, count))
+    return problem(things, relations, float(rng.choice([0.0, 0.01])))

@@ -26,7 +26,7 @@ from usdio.write.package import write_package
 )
 def test_mass_properties_come_back(tmp_path: Path, seed: int, masses: tuple[float, ...], size_m: float) -> None:
     rng = np.random.default_rng(seed)
-    R = Rotation.random(random_state=seed).as_matrix()
+    R = Rotation.random(rng=np.random.default_rng(seed)).as_matrix()
     # Three pairs of point masses on the principal axes: a real body by construction.
     spread = np.array(masses) * size_m**2
     inertia = R @ np.diag(spread.sum() - spread) @ R.T

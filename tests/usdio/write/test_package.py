@@ -1,8 +1,5 @@
 """Written packages: external validators pass them, nothing is lost, the same content gives the same bytes."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import hashlib

@@ -11,6 +11,7 @@ from gate.external_validators import usd_validation
 from geom.pose import matrix_of
 from scenec.emit.scene import compiled_scene
 from schemas.scene.compiled import CompiledScene
+from schemas.scene.program import BoxAsset
 from tests.support.scene.problems import table_setting
 from usdio.reread.scene import reread_scene
 from usdio.write.scene import write_scene
@@ -56,6 +57,7 @@ def test_what_is_read_back_is_what_was_meant(scene: CompiledScene, tmp_path: Pat
         np.testing.assert_allclose(read.X_WA[:3, 3], item.position_m, atol=1e-9)
         np.testing.assert_allclose(read.X_WA[:3, :3], matrix_of(np.array(item.quat_wxyz)), atol=1e-8)
         shape = read.body.shapes[0]
+        assert isinstance(item.primitive, BoxAsset)
         np.testing.assert_allclose(shape.size_m, item.primitive.size_m, atol=1e-6)
         assert read.body.mass.mass_kg == pytest.approx(500.0 * np.prod(item.primitive.size_m), rel=1e-5)
 

@@ -1,6 +1,7 @@
 """glTF files, buffers and JSON types: what is refused, for which reason and at which place."""
 
 import struct
+from typing import Any
 
 import numpy as np
 import pytest
@@ -118,7 +119,7 @@ def test_buffers_that_cannot_be_had(tmp_path, uri, code):
 def test_wrong_types_name_their_pointer(tmp_path, path, value):
     file = tetrahedron()
     *parents, last = path.strip("/").split("/")
-    target = file.doc
+    target: Any = file.doc
     for key in parents:
         target = target[int(key)] if isinstance(target, list) else target[key]
     target[last] = value

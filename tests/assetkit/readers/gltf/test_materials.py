@@ -298,12 +298,13 @@ KTX2 = {"uri": "data:image/ktx2;base64,q0tUWCAyMLs="}
 )
 def test_basisu_uses_its_fallback(tmp_path, fallback, codes):
     file = textured(**BASE_TEXTURE)
-    file.doc["textures"] = [{"extensions": {"KHR_texture_basisu": {"source": 0}}}]
+    texture: dict[str, Any] = {"extensions": {"KHR_texture_basisu": {"source": 0}}}
+    file.doc["textures"] = [texture]
     file.doc["images"] = [KTX2]
     if fallback is not None:
         (tmp_path / "a.png").write_bytes(png())
         file.doc["images"].append({"uri": "a.png"} if fallback == "png" else fallback)
-        file.doc["textures"][0]["source"] = 1
+        texture["source"] = 1
     material, outcome = look(tmp_path, file)
     assert [d.code for d in outcome.diagnostics] == codes
     assert (material.base_color_texture is None) == bool(codes)

@@ -35,7 +35,12 @@ def states(n: int) -> np.ndarray:
 @pytest.mark.parametrize("version", VERSIONS)
 def test_the_library_and_mana_read_each_other(tmp_path: Path, library: Library, version: str):
     given = {f"state{k}": states(n) for k, n in enumerate(ROWS)}
-    np.savez(tmp_path / "given.npz", **given, **{f"source_timestamp{k}": columns(n)["t"] for k, n in enumerate(ROWS)})
+    np.savez(
+        tmp_path / "given.npz",
+        **given,
+        **{f"source_timestamp{k}": columns(n)["t"] for k, n in enumerate(ROWS)},
+        allow_pickle=True,
+    )
     data = tmp_path / "set"
     library.ask(version, data)
     names = ["q.turn", "q.reach", *(f"obj.cube.{c}" for c in ("px", "py", "pz", "qw", "qx", "qy", "qz"))]

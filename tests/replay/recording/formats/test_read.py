@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import h5py
+import h5py.h5o
 import mujoco
 import numpy as np
 import pytest
@@ -13,9 +14,10 @@ from replay.recording.files import archives, hdf5
 from replay.recording.formats.digests import stream_digests
 from replay.recording.formats.read import read_episode, read_episodes
 from replay.recording.kinematics import link_poses
+from replay.recording.mjcf.bodies import RecordedBodies
 from replay.recording.mjcf.episode_parts import episode_parts
-from replay.recording.mjcf.read import read_mjcf
 from replay.recording.recorded_numbers import RecordedStates
+from replay.recording.robot_files import recorded_mjcf
 from replay.run import recordings_below
 from replay.verification.link_check import check_links
 from schemas.diagnostics import InvalidInput
@@ -63,7 +65,8 @@ def test_kinematics_of_a_model_are_those_of_mujoco(tmp_path: Path, angle: str, o
     X[:3, :3], X[:3, 3] = data.body("cart").xmat.reshape(3, 3), data.body("cart").xpos
     q = {f"j{k}": data.joint(f"j{k}").qpos.copy() for k in range(5)}
     recorded = RecordedStates(np.zeros(1), q, {}, {"cart": X[None]})
-    robots, objects, _ = episode_parts(read_mjcf(tmp_path / "odd.xml", tmp_path), recorded, lambda *_: np.zeros((0, 3)))
+    bodies = RecordedBodies(recorded_mjcf(tmp_path / "odd.xml", tmp_path))
+    robots, objects, _ = episode_parts(bodies, recorded, lambda *_: np.zeros((0, 3)))
     assert [r.name for r in robots] == ["base", "cart"]
     assert not objects
     for robot in robots:
@@ -218,7 +221,7 @@ def test_archives_of_meshes_are_bounded_and_hold_no_pickles(tmp_path: Path, monk
     monkeypatch.undo()
     file.write_bytes(whole[:-30])
     assert refusal(folder) == "replay/unreadable"
-    np.savez(file, **{"lower|geom4|v": np.array([{}], dtype=object)})  # pyright: ignore[reportArgumentType]
+    np.savez(file, **{"lower|geom4|v": np.array([{}], dtype=object)}, allow_pickle=True)
     assert refusal(folder) == "replay/unreadable"
     file.unlink()
     assert refusal(folder) == "replay/missing-mesh"

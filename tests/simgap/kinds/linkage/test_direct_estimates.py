@@ -54,7 +54,7 @@ def tosses(mass_kg: float = 0.37, inertia: float = 1.0, damping: float = 0.0, dr
     rng, out = np.random.default_rng(7), []
     for _ in range(TOSSES):
         data = mujoco.MjData(model)
-        data.qpos[3:7] = np.roll(Rotation.random(random_state=rng).as_quat(), 1)
+        data.qpos[3:7] = np.roll(Rotation.random(rng=rng).as_quat(), 1)
         data.qpos[7] = rng.uniform(-2.0, 2.0)
         data.qvel[:] = [*rng.normal(0.0, 1.0, 3), *rng.normal(0.0, 6.0, 3), rng.normal(0.0, 12.0)]
         rows = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from simgap.kinds.mechanism.apply_model import apply_terms
 from simgap.kinds.mechanism.free_initial_states import linearised_initial_states
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.kinds.mechanism.windows import cut, windows_of
-from simgap.problem import DirectEstimate, Problem, Term, with_initial_states_at
+from simgap.problem import DirectEstimate, Problem, Term
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Trial
 
@@ -51,8 +52,10 @@ def _swing(
             "actuation": {"type": "none"},
         }
     )
-    t_s = np.arange(ROWS) * ROW_S
-    absent = {n: np.full((ROWS, k), np.nan) for n, k in (("p", 3), ("quat_wxyz", 4), ("v_W", 3), ("w_B", 3))}
+    t_s = np.arange(ROWS, dtype=np.float64) * ROW_S
+    absent: dict[str, Any] = {
+        n: np.full((ROWS, k), np.nan) for n, k in (("p", 3), ("quat_wxyz", 4), ("v_W", 3), ("w_B", 3))
+    }
     absent |= {"command_p": absent["p"], "command_quat_wxyz": absent["quat_wxyz"]}
     absent |= {n: np.full((ROWS, 1), np.nan) for n in ("qd", "effort", "command")}
     starts = np.linspace(0.4, 1.4, 6)[:, None]
@@ -61,7 +64,7 @@ def _swing(
     )
     still = MechanismProblem(Measurement(spec, trials, Path("."), "swing", ("axis",)))
     model = replace(still.declared, damping=np.array([damping]))
-    windows = windows_of([(still._logs[t.id].series, cut(ROWS, None)) for t in trials], apply_terms(model, ()))
+    windows = windows_of([(still.logs.by_trial[t.id].series, cut(ROWS, None)) for t in trials], apply_terms(model, ()))
     laws = [Law(HARD_STOP, stop, 0)] if stop else []
     q, _ = rollout(model, windows, laws, largest_step_s=largest_step_s)
     rng = np.random.default_rng(1)
@@ -99,7 +102,7 @@ def test_what_starts_do_is_taken_at_the_model_that_is_asked_for():
     true = (Term(candidate, {"damping_Nms_per_rad": 0.02}),)
     far, near = (
         max(np.abs(r).max() for r in p.residuals(true, p.trial_ids, "long_horizon"))
-        for p in (problem, with_initial_states_at(problem, true))
+        for p in (problem, problem.with_initial_states_at(true))
     )
     assert near < 0.08 * far  # the step of the truth is not without error either
 
@@ -116,7 +119,7 @@ def test_a_blow_from_an_uncertain_start_is_put_right_by_beginning_elsewhere():
         residuals = seen.residuals(true, problem.trial_ids, "long_horizon")
         return np.array([np.sqrt(((r / level) ** 2).mean()) for r in residuals])
 
-    blind, seeing = rms(with_initial_states_at(problem, ())), rms(with_initial_states_at(problem, true))
+    blind, seeing = rms(problem.with_initial_states_at(())), rms(problem.with_initial_states_at(true))
     assert (blind > 5.0).sum() >= 3
     assert np.median(seeing) < 1.3
     assert (seeing < 2.0).all()
@@ -157,6 +160,8 @@ def test_a_route_leads_by_what_it_leaves_or_does_not():
     """A truth value of its own kind would be neither: what the direct route preferred went unheard by that once."""
     estimate = DirectEstimate({}, {}, 0.0, 4, np.array([1.0, 2.0, 3.0, 2.5]))
     better = replace(estimate, held_out=np.array([0.5, 1.1, 1.4, 1.2]))
-    assert is_better(better, estimate) is True
-    assert is_better(estimate, better) is False
+    led, trailed = is_better(better, estimate), is_better(estimate, better)
+    assert led is not None
+    assert trailed is not None
+    assert (led.kept, trailed.kept) == (True, False)
     assert is_better(better, replace(estimate, held_out=None)) is None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,6 @@ from simgap.kinds.mechanism.apply_model import apply_terms
 from simgap.kinds.mechanism.input_timing import even_stamps, possible_timings, with_timing
 from simgap.kinds.mechanism.problem import MechanismProblem
 from simgap.kinds.mechanism.windows import cut, windows_of
-from simgap.problem import with_initial_states_at
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Trial
 
@@ -25,7 +25,9 @@ ROW_S, ROWS = 5e-3, 400
 
 def _trial(name: str, t_s: np.ndarray, command: np.ndarray, q: np.ndarray | None = None) -> Trial:
     n = len(t_s)
-    absent = {k: np.full((n, w), np.nan) for k, w in (("p", 3), ("quat_wxyz", 4), ("v_W", 3), ("w_B", 3))}
+    absent: dict[str, Any] = {
+        k: np.full((n, w), np.nan) for k, w in (("p", 3), ("quat_wxyz", 4), ("v_W", 3), ("w_B", 3))
+    }
     absent |= {"command_p": absent["p"], "command_quat_wxyz": absent["quat_wxyz"]}
     absent |= {k: np.full((n, 1), np.nan) for k in ("qd", "effort")}
     return Trial(id=name, t_s=t_s, q=np.zeros((n, 1)) if q is None else q, command=command, aux={}, **absent)
@@ -96,7 +98,8 @@ def _servo(late_loop: bool, late_reading: bool) -> MechanismProblem:
     for k in range(8):
         timing = np.arange(ROWS) * ROW_S
         stamps = np.clip(timing + rng.normal(0.0, 0.05, ROWS) * ROW_S, 0.0, None)
-        command = sum(a * np.sin(w * timing + p) for a, w, p in rng.uniform((0.1, 4.0, 0.0), (0.4, 15.0, 6.0), (4, 3)))
+        waves = rng.uniform((0.1, 4.0, 0.0), (0.4, 15.0, 6.0), (4, 3))
+        command = np.sum([a * np.sin(w * timing + p) for a, w, p in waves], axis=0)
         sent_at = stamps if late_loop else timing
         held = command[np.clip(np.searchsorted(sent_at, clock, side="right") - 1, 0, ROWS - 1)]
         trials.append((f"t{k}", stamps, command[:, None]))
@@ -104,7 +107,7 @@ def _servo(late_loop: bool, late_reading: bool) -> MechanismProblem:
     plain = [_trial(f"t{k}", clock, held[:, None]) for k, (_, _, held) in enumerate(moved)]
     still = MechanismProblem(Measurement(spec, tuple(plain), Path("."), "servo", ("axis",)))
     applied = apply_terms(still.declared, ())
-    series = [still._logs[t.id].series for t in plain]  # pyright: ignore[reportPrivateUsage]
+    series = [still.logs.by_trial[t.id].series for t in plain]
     windows = windows_of([(s, cut(len(s.t_s), None)) for s in series], applied)
     q, _ = rollout(still.declared, windows, largest_step_s=2.5e-4)
     read = [
@@ -120,8 +123,7 @@ def _servo(late_loop: bool, late_reading: bool) -> MechanismProblem:
     [(True, True, "stamps"), (False, True, "even_inputs"), (False, False, "even")],
 )
 def test_the_motion_tells_when_inputs_act_and_readings_were_taken(late_loop: bool, late_reading: bool, timing: str):
-    found = with_initial_states_at(_servo(late_loop, late_reading), ())
-    assert isinstance(found, MechanismProblem)
+    found = _servo(late_loop, late_reading).with_initial_states_at(())
     assert found.timing == timing
     timing_check = found.timing_check()
     assert timing_check is not None
@@ -134,8 +136,7 @@ def test_inputs_that_no_motion_hears_of_leave_the_stamps():
     problem = _servo(True, True)
     rng = np.random.default_rng(2)
     trials = tuple(replace(t, q=rng.normal(size=t.q.shape)) for t in problem.measurement.trials)
-    found = with_initial_states_at(MechanismProblem(replace(problem.measurement, trials=trials)), ())
-    assert isinstance(found, MechanismProblem)
+    found = MechanismProblem(replace(problem.measurement, trials=trials)).with_initial_states_at(())
     assert found.timing == "stamps"
 
 
@@ -164,5 +165,5 @@ def test_beats_that_cut_windows_differently_are_compared_too():
         trials.append(_trial(f"t{k}", np.maximum.accumulate(stamps), command, command + rng.normal(0, 1e-4, (1000, 1))))
     for some in (trials, [replace(t, t_s=t.t_s * 1.0007) for t in trials]):
         problem = MechanismProblem(Measurement(spec, tuple(some), Path("."), "servo", ("axis",)))
-        found = with_initial_states_at(problem, ())
+        found = problem.with_initial_states_at(())
         assert len(found.residuals((), found.trial_ids, "long_horizon")) == 2

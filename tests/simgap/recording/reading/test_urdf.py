@@ -9,7 +9,7 @@ import numpy as np
 import pybullet_data
 import pytest
 import trimesh
-from lxml import etree  # pyright: ignore[reportAttributeAccessIssue]
+from lxml import etree
 
 from schemas.measurement import MeasurementSpec
 from sim.dynamics.tree import inverse_dynamics
@@ -17,6 +17,7 @@ from simgap.kinds.free_body.declared_model import build_body
 from simgap.kinds.free_body.toss import corners
 from simgap.kinds.linkage.declared_model import build_linkage
 from simgap.kinds.mechanism.declared_model import build_mechanism
+from tests.support.present import present
 
 KUKA = Path(pybullet_data.getDataPath()) / "kuka_iiwa"
 LINK = '<link name="{n}"><inertial><mass value="{m}"/><inertia ixx="1" iyy="1" izz="1"/></inertial>{c}</link>'
@@ -45,8 +46,8 @@ def subject(kind: str, folder: Path, urdf: str, **more: object) -> MeasurementSp
 def test_an_arm_has_the_dynamics_that_mujoco_reads_from_the_same_file(tmp_path: Path) -> None:
     text = (KUKA / "model.urdf").read_bytes()
     bare = etree.fromstring(text)
-    for shape in bare.xpath("//visual | //collision"):  # Their meshes are of no use to dynamics.
-        shape.getparent().remove(shape)
+    for shape in list(bare.iter("visual", "collision")):  # Their meshes are of no use to dynamics.
+        present(shape.getparent()).remove(shape)
     spec = subject("mechanism", tmp_path, etree.tostring(bare).decode())
     ours = build_mechanism(spec, tmp_path)
     etree.SubElement(etree.SubElement(bare, "mujoco"), "compiler", balanceinertia="false", fusestatic="true")

@@ -1,8 +1,5 @@
 """Defects of the file as a whole: units, prims, dependencies, size, labels, metadata."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics

@@ -1,8 +1,5 @@
 """Defects of bodies: transforms, flags, mass, mass centre, inertia."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pxr import Gf, UsdPhysics

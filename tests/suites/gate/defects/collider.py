@@ -1,8 +1,5 @@
 """Defects of colliders and contact materials."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 import numpy as np

@@ -1,8 +1,5 @@
 """Defects of joints, drives and articulations."""
 
-# pxr has no type stubs.
-# pyright: reportAttributeAccessIssue=false
-
 from __future__ import annotations
 
 from pxr import Gf, UsdPhysics

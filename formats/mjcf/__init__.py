@@ -1,0 +1,1 @@
+"""MuJoCo MJCF models: `read` and `write`; `includes`, `defaults` and `orientations` are the parts of the language."""

@@ -1,0 +1,12 @@
+"""The table of relations by kind: one file of this folder for each kind of `schemas.scene.relations`."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from scenec.relations.protocol import RelationMeaning
+from schemas.scene.relations import RELATION_KINDS
+
+RELATIONS: dict[str, RelationMeaning] = {
+    kind: import_module(f"scenec.relations.{kind}").RELATION for kind in RELATION_KINDS
+}

@@ -1,0 +1,1 @@
+"""Files as data: dataclasses of arrays in one archive, references between files, damaged archives."""

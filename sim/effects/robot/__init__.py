@@ -1,0 +1,1 @@
+"""Effects of a robot's own controller."""

@@ -1,0 +1,1 @@
+"""Tests of the URDF reader and writer."""

@@ -1,0 +1,1 @@
+"""Tests of the relations of the scene language."""

@@ -1,0 +1,5 @@
+from typing import Any
+
+CODEBASE_VERSION: str
+
+LeRobotDataset: Any
