@@ -12,7 +12,7 @@ import numpy as np
 
 from render.drawn_grasp import DrawnGrasp
 from render.request import RenderRequest
-from schemas import array_files
+from schemas.files import array_files
 from schemas.model import Material, TextureUse
 from schemas.physics import CollisionShape
 from tests.support import package_samples as samples
@@ -24,7 +24,7 @@ os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
 from render.ready_studio import prepare_studio
 from render.request import RenderRequest
 from render.views import render_all
-from schemas import array_files
+from schemas.files import array_files
 prepare_studio()
 print(len(os.listdir("/proc/self/task")), flush=True)
 for file in sys.argv[1:]:
