@@ -107,14 +107,15 @@ class Worker:
 def main() -> None:
     """Measure, and print one line per file and the sums."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("checkouts", type=Path, nargs=2, metavar=("BEFORE", "AFTER"))
+    parser.add_argument("before", type=Path, metavar="BEFORE")
+    parser.add_argument("after", type=Path, metavar="AFTER")
     parser.add_argument("--assets", type=Path, required=True)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--only", default="", help="files whose path holds this word")
     arguments = parser.parse_args()
     files = [arguments.assets / name for name in FILES if arguments.only in name]
     with tempfile.TemporaryDirectory(prefix="mana-bench") as place:
-        rows = measure([c.absolute() for c in arguments.checkouts], files, arguments.rounds, Path(place))
+        rows = measure([c.absolute() for c in [arguments.before, arguments.after]], files, arguments.rounds, Path(place))
     print_table(rows)
 
 
