@@ -115,7 +115,8 @@ def main() -> None:
     arguments = parser.parse_args()
     files = [arguments.assets / name for name in FILES if arguments.only in name]
     with tempfile.TemporaryDirectory(prefix="mana-bench") as place:
-        rows = measure([c.absolute() for c in [arguments.before, arguments.after]], files, arguments.rounds, Path(place))
+        checkouts = [arguments.before.absolute(), arguments.after.absolute()]
+        rows = measure(checkouts, files, arguments.rounds, Path(place))
     print_table(rows)
 
 
