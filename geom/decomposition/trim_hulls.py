@@ -94,19 +94,22 @@ class VolumeBelow:
 
     def __init__(self, body: Manifold, normal: FloatArray) -> None:
         points, triangles = manifold_arrays(body)
-        a, b, c = (points.take(corner, axis=0) for corner in triangles.T)
-        self._downward = -0.5 * np.cross(b - a, c - a) @ normal
-        self._z = np.sort((points @ normal).take(triangles), axis=1).T
+        a, b, c = (np.take(points, triangles[:, corner], axis=0) for corner in range(3))
+        self._downward: FloatArray = -0.5 * np.cross(b - a, c - a) @ normal
+        self._z: FloatArray = np.sort(np.take(points @ normal, triangles), axis=1).T
         self.top = float(self._z[2].max())
 
     def __call__(self, height: float) -> float:
         """Volume below `height`."""
-        low, middle, high = self._z
+        low, middle, high = self._z[0], self._z[1], self._z[2]
         tiny = np.finfo(float).tiny
         under, over = np.clip(height - low, 0.0, middle - low), np.clip(high - height, 0.0, high - middle)
-        tip = under**3 / np.maximum(3.0 * (middle - low) * (high - low), tiny)
-        rest = height - (low + middle + high) / 3.0 + over**3 / np.maximum(3.0 * (high - low) * (high - middle), tiny)
-        return float(self._downward @ np.where(height <= middle, tip, rest))
+        tip: FloatArray = under**3 / np.maximum(3.0 * (middle - low) * (high - low), tiny)
+        rest: FloatArray = (
+            height - (low + middle + high) / 3.0 + over**3 / np.maximum(3.0 * (high - low) * (high - middle), tiny)
+        )
+        mean_depths: FloatArray = np.where(height <= middle, tip, rest)
+        return float(self._downward @ mean_depths)
 
 
 def _cut(hull: Manifold, normal: FloatArray, depth: float) -> Manifold:
