@@ -12,11 +12,12 @@ from render.camera import HERO_VIEW, AnnotationFrame, annotation_frame, camera
 from render.collision import collision_actors, shape_mesh
 from render.grasps import grasp_actors, half_extents
 from render.parts import draw_parts
+from render.ready_studio import take_studio
 from render.request import RenderRequest
-from render.studio import floor, studio_renderer
+from render.studio import floor
 from render.surfaces import ShadedSurface, actor, plain_actor, surfaces
 from render.textures import TextureSet
-from render.window import SUPERSAMPLING, offscreen_window, save_png, take_picture
+from render.window import SUPERSAMPLING, save_png, take_picture
 from schemas.arrays import FloatArray
 from schemas.model import Model
 
@@ -37,9 +38,7 @@ def render_all(request: RenderRequest) -> dict[str, Path]:
     folder.mkdir(parents=True, exist_ok=True)
     frame = model_frame(request.model)
     parts = tuple(part for part in surfaces(request.model, frame) if len(part.points))
-    window = offscreen_window()
-    renderer = studio_renderer()
-    window.AddRenderer(renderer)
+    window, renderer = take_studio()
     renderer.AddActor(floor(_surface_samples(parts), bottom=-frame.extent[2] / 2.0))
     if request.grasps:
         pictures = {"grasps": _draw_grasps(request, frame, parts, window, renderer)}

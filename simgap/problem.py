@@ -199,11 +199,27 @@ class TrialSystem(Protocol):
         """(t, s) a noise level of each start value, in SI units; changes of starts are counted in these."""
         ...
 
+    @property
+    def channel_count(self) -> int:
+        """Channels of a row; errors of one row lie side by side."""
+        ...
+
     def errors(self, model: Model, starts: FloatArray) -> FloatArray:
         """(m, t, n) simulated minus measured, in noise levels, for m sets of starts (m, t, s) in `start_steps`.
 
         NaN where nothing was measured. A simulation that diverges gives large finite numbers.
         """
+        ...
+
+    def pieces(self, count: int) -> TrialSystem | None:
+        """Each trial cut into so many pieces that start freely, one after the other; None where they get too short.
+
+        With `count` a power of two, pieces of half as many begin where every other one of these does.
+        """
+        ...
+
+    def with_noise_from(self, model: Model, starts: FloatArray) -> TrialSystem:
+        """The same with the noise level that a model's errors show from row to row; single wild rows are left out."""
         ...
 
 

@@ -34,6 +34,7 @@ ENDPOINT_CODES = ("asset/annotator-unreachable", "asset/annotator-failed")
 # One core per asset, the batch fills the others; and USD starts no threads, which could not be forked.
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1", "PYTHONHASHSEED": "0"}
 _IMPORT_OUTPUT = ("pybullet build time", "#")  # Lines that PyBullet and (given a thread limit) OpenUSD print on import.
+READY_STUDIO_FROM = 6  # sources; a ready studio takes the processor time that so many assets save with it
 WORKER, PRELOAD = "assetkit.batch.worker", "assetkit.batch.preload"
 DEFAULT_LIMITS = Limits(seconds=300.0, memory_mb=8192)
 
@@ -71,7 +72,8 @@ def run_items(candidates: Sequence[SourceAsset], batch: Batch) -> Iterator[Repor
     batch.out.mkdir(parents=True, exist_ok=True)
     decisions = read_decisions(batch.out)
     owned = [ownership.resolve_asset_id(c, batch.out) for c in candidates]
-    with warm_cells(batch.preload, env=ENVIRONMENT | {"MANA_ENGINE": batch.engine}):
+    studio = {"MANA_STUDIO": "ready"} if len(owned) >= READY_STUDIO_FROM else {}
+    with warm_cells(batch.preload, env=ENVIRONMENT | {"MANA_ENGINE": batch.engine} | studio):
         for _, item in run_all(lambda c: _item(c, batch, decisions), owned, jobs=batch.jobs):
             yield item
 

@@ -1,8 +1,10 @@
 """Imports and first uses of what every asset needs, once, before the cells are forked (see `jobs.fork_server`).
 
-The environment variable `MANA_ENGINE` names the engine to import as well (`sim.named_engine`).
+The environment variable `MANA_ENGINE` names the engine to import as well (`sim.named_engine`). With `MANA_STUDIO` the
+cells that draw pictures find a window with light and shaders ready (`render.ready_studio`).
 """
 
+import contextlib
 import importlib
 import os
 import pkgutil
@@ -22,7 +24,9 @@ import render.views  # noqa: E402, F401
 from gate.external_validators import external_verdicts  # noqa: E402
 from geom.mesh.surface_distance import NearestOnSurface  # noqa: E402
 from jobs.versions import library_versions  # noqa: E402
+from render.ready_studio import prepare_studio  # noqa: E402
 from render.request import RenderRequest  # noqa: E402
+from render.window import NoOpenGL  # noqa: E402
 from schemas.files import array_files  # noqa: E402
 from sim.named_engine import load_engine  # noqa: E402
 from usdio.read.asset import read_stage  # noqa: E402, F401
@@ -43,6 +47,10 @@ for _type in (
     *(step.stage.result for step in assetkit.pipeline.STAGES.steps),
 ):
     array_files.adapter(_type)
+
+if os.environ.get("MANA_STUDIO"):
+    with contextlib.suppress(NoOpenGL):  # Each cell reports it.
+        prepare_studio()
 
 # Validators load most of what they need with the first file that they see.
 with tempfile.TemporaryDirectory() as _folder:

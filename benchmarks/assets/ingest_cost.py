@@ -5,7 +5,7 @@
 BEFORE and AFTER are checkouts of Mana; ASSETS holds the shared dev assets. One warm process per checkout ingests each
 of the 20 `FILES` without stored results. Both get every file in turn, first the one, then the other, so that the load
 of the machine meets them alike. Processor time counts the process, its fork server and all cells (Linux, 10 ms steps);
-each figure is the median over `--rounds`. Loading the libraries, once for a batch, is given apart.
+each figure is the median over `--rounds`. What is done once for a batch (libraries, a ready studio) has its own row.
 
 One more round counts openings: calls of `Usd.Stage.Open` on a file or on a layer in memory, and of
 `Sdf.Layer.OpenAsAnonymous`, by whatever code.
@@ -107,14 +107,16 @@ class Worker:
 def main() -> None:
     """Measure, and print one line per file and the sums."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("checkouts", type=Path, nargs=2, metavar=("BEFORE", "AFTER"))
+    parser.add_argument("before", type=Path, metavar="BEFORE")
+    parser.add_argument("after", type=Path, metavar="AFTER")
     parser.add_argument("--assets", type=Path, required=True)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--only", default="", help="files whose path holds this word")
     arguments = parser.parse_args()
     files = [arguments.assets / name for name in FILES if arguments.only in name]
     with tempfile.TemporaryDirectory(prefix="mana-bench") as place:
-        rows = measure([c.absolute() for c in arguments.checkouts], files, arguments.rounds, Path(place))
+        checkouts = [arguments.before.absolute(), arguments.after.absolute()]
+        rows = measure(checkouts, files, arguments.rounds, Path(place))
     print_table(rows)
 
 
@@ -125,20 +127,22 @@ def measure(checkouts: list[Path], files: list[Path], rounds: int, place: Path) 
     spent = {file: [[worker.ingest(file)[0] for worker in workers] for _ in range(rounds)] for file in files}
     for worker in workers:
         worker.close()
-    medians = {file: [statistics.median(s) for s in zip(*trials, strict=True)] for file, trials in spent.items()}
-    loading = [s - median for s, median in zip(loading_s, medians[files[0]], strict=True)]
-    print(f"loading the libraries, CPU s: before {loading[0]:.2f}, after {loading[1]:.2f}")
+    before_s, after_s = ({f: statistics.median(trial[i] for trial in spent[f]) for f in files} for i in (0, 1))
+    once_s = loading_s[0] - before_s[files[0]], loading_s[1] - after_s[files[0]]
     counters = [Worker(c, place / f"counted{i}", place / f"openings{i}") for i, c in enumerate(checkouts)]
     for counter in counters:
         counter.ingest(files[0])
-    rows = [Row(f.name, *medians[f], *(c.ingest(f)[1] for c in counters)) for f in files]
+    rows = [Row("once for a batch", *once_s, Counter(), Counter())]
+    for file in files:
+        before, after = (counter.ingest(file)[1] for counter in counters)
+        rows.append(Row(file.name, before_s[file], after_s[file], before, after))
     for counter in counters:
         counter.close()
     return rows
 
 
 def print_table(rows: list[Row]) -> None:
-    """One line per file, then sums and the median of the ratios."""
+    """One line for what is done once, one per file, then sums, and the median of the ratios of files."""
     print(f"{'file':24} {'before s':>9} {'after s':>8} {'ratio':>6}   openings: {', '.join(_KINDS)}; before -> after")
     for row in rows:
         counts = ", ".join(f"{row.before[kind]} -> {row.after[kind]}" for kind in _KINDS)
@@ -147,7 +151,7 @@ def print_table(rows: list[Row]) -> None:
     before_s, after_s = sum(r.before_s for r in rows), sum(r.after_s for r in rows)
     counts = ", ".join(f"{sum(r.before[k] for r in rows)} -> {sum(r.after[k] for r in rows)}" for k in _KINDS)
     print(f"{'sum':24} {before_s:9.2f} {after_s:8.2f} {after_s / before_s:6.2f}   {counts}")
-    print(f"median ratio {statistics.median(r.after_s / r.before_s for r in rows):.2f}")
+    print(f"median ratio {statistics.median(r.after_s / r.before_s for r in rows[1:]):.2f}")
 
 
 def processor_s(root: int) -> float:
@@ -179,7 +183,7 @@ def serve(library: Path, requests: IO[str]) -> None:
     batch = item_cells.Batch(library, Options(), SIMULATOR, fresh=True, preload=preload)
     # One fork server for all files: `run_items` would start another one for each.
     with (
-        warm_cells(preload, env=item_cells.ENVIRONMENT | {"MANA_ENGINE": SIMULATOR}),
+        warm_cells(preload, env=item_cells.ENVIRONMENT | {"MANA_ENGINE": SIMULATOR, "MANA_STUDIO": "ready"}),
         mock.patch.object(item_cells, "warm_cells", return_value=contextlib.nullcontext()),
     ):
         for line in requests:

@@ -7,6 +7,7 @@ of a fit is measured elsewhere (`geom.decomposition.fidelity`).
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any, cast
 
 import numpy as np
@@ -32,8 +33,15 @@ def fit_box(points: FloatArray) -> CollisionShape | None:
     """The axis-aligned bounding box, or the smallest oriented one when that is more than 2 % smaller; None when flat.
 
     Oriented: one face flush with a hull face (`trimesh.bounds.oriented_bounds`; O'Rourke 1985 shows that the exact
-    optimum may be slightly smaller).
+    optimum may be slightly smaller). The last few answers are remembered by the bytes of the points: shape, way up and
+    colliders of an object ask for the same box.
     """
+    return _fitted_box(np.ascontiguousarray(points, dtype=np.float64).tobytes())
+
+
+@lru_cache(maxsize=4)
+def _fitted_box(coordinates: bytes) -> CollisionShape | None:
+    points = np.frombuffer(coordinates).reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
     size = high - low
     centre = 0.5 * (low + high)

@@ -67,13 +67,13 @@ def convex_parts(
     hulls = merge_hulls([piece.hull for piece in cut], most, violation=merge_violation)
     if _union_volume(hulls) <= TRIM_ABOVE * volume:
         hulls = merge_hulls(hulls, most, JOIN_SPARE * volume, merge_violation)
-    trimmed, far = hulls, 0.0
+    trimmed, far, insides = hulls, 0.0, [hull ^ body.simplified for hull in hulls]  # evaluated when first needed
     for depth in TRIM_DEPTHS:
         if _union_volume(trimmed) <= TRIM_ABOVE * volume:
             break
         # Deeper is not always thinner: what is a bulge at one depth may be a flat end at another.
         far = FAR * depth * body.size
-        deeper = trim_hulls(hulls, body.simplified, distance, depth * body.size)
+        deeper = trim_hulls(hulls, insides, distance, depth * body.size)
         trimmed = min(trimmed, deeper, key=lambda hulls: sum(hull.volume() for hull in hulls))
     if far > 0.0:
         trimmed = offset_hulls(trimmed, distance, far, lambda hull: not blocks(hull))

@@ -24,6 +24,8 @@ FIDELITY_SAMPLES = 4000
 SLIT_GROWTH_SHARE = 5e-4
 # A gap that lets a ball through is wider than this share of its radius at the middle.
 GAP_RADIUS_SHARE = 0.7
+# Far more than rounding, as a share of the size of a hull.
+BOX_SLACK = 1e-6
 _CUBE = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 
 
@@ -138,7 +140,13 @@ def _within(shapes: Sequence[CollisionShape], queries: FloatArray) -> BoolArray:
     """(k,) True where a query lies inside some shape."""
     inside = np.zeros(len(queries), dtype=bool)
     for shape in shapes:
-        inside |= _holds(shape, queries)
+        rest = ~inside
+        if shape.kind == "hull":  # Only what lies in its box can lie in it.
+            corners = surface(shape)[0]
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            slack = BOX_SLACK * float((high - low).max())
+            rest &= ((queries >= low - slack) & (queries <= high + slack)).all(axis=1)
+        inside[rest] = _holds(shape, queries[rest])
     return inside
 
 

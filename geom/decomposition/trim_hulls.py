@@ -28,15 +28,19 @@ JOINT_AREA, EMPTY_AREA = 0.2, 0.5
 EMPTY_DEPTH = 0.4  # of the wall's thickness
 LEAST_CAP = 0.005
 BROAD = 0.1  # share of the largest face's area from which a face counts for a side's direction
+# Two ways to compute a volume agree far better than to this share; in between the body is really cut.
+UNCERTAIN = 1e-6
 KEPT = 1.02  # Each hull keeps the body's volume within it and this little more.
 
 
-def trim_hulls(hulls: Sequence[Manifold], body: Manifold, distance: SignedDistance, depth: float) -> list[Manifold]:
+def trim_hulls(
+    hulls: Sequence[Manifold], insides: Sequence[Manifold], distance: SignedDistance, depth: float
+) -> list[Manifold]:
     """The hulls with empty sides and outer bulges cut off, each at most `depth` deep.
 
-    No hull gets smaller than the part of `body` inside it; `distance` is that to the surface of `body`.
+    No hull gets smaller than the part of the body inside it (`insides`); `distance` is that to the body's surface.
     """
-    return [_trimmed(hull, hull ^ body, distance, depth) for hull in hulls]
+    return [_trimmed(hull, inside, distance, depth) for hull, inside in zip(hulls, insides, strict=True)]
 
 
 def _trimmed(hull: Manifold, inside: Manifold, distance: SignedDistance, depth: float) -> Manifold:
@@ -64,26 +68,55 @@ def _upper_half(hull: Manifold, normal: FloatArray, depth: float) -> float:
 
 def _depth_for(hull: Manifold, normal: FloatArray, least: float, depth: float) -> float:
     """The depth up to `depth` that leaves at least the volume `least`."""
-    top = _top(hull, normal)
-    if _cut(hull, normal, depth, top).volume() >= least:
+    below = VolumeBelow(hull, normal)
+
+    def leaves_enough(cut: float) -> bool:
+        volume = below(below.top - cut)
+        if abs(volume - least) > UNCERTAIN * least:
+            return volume >= least
+        return _cut(hull, normal, cut).volume() >= least
+
+    if leaves_enough(depth):
         return depth
     low, high = 0.0, depth
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if _cut(hull, normal, middle, top).volume() >= least else (low, middle)
+        low, high = (middle, high) if leaves_enough(middle) else (low, middle)
     return low
 
 
-def _top(hull: Manifold, normal: FloatArray) -> float:
-    """The height of the highest point of the hull along `normal`."""
-    return float((manifold_arrays(hull)[0] @ normal).max())
+class VolumeBelow:
+    """The volume of a body below a plane, as a function of the plane's height along `normal`.
+
+    By the divergence theorem for the field (z - height) along the normal, which vanishes on the plane: each face adds
+    its projected area times the mean depth of its points below the plane, which is a cubic between its corners.
+    """
+
+    def __init__(self, body: Manifold, normal: FloatArray) -> None:
+        points, triangles = manifold_arrays(body)
+        a, b, c = (np.take(points, triangles[:, corner], axis=0) for corner in range(3))
+        self._downward: FloatArray = -0.5 * np.cross(b - a, c - a) @ normal
+        self._z: FloatArray = np.sort(np.take(points @ normal, triangles), axis=1).T
+        self.top = float(self._z[2].max())
+
+    def __call__(self, height: float) -> float:
+        """Volume below `height`."""
+        low, middle, high = self._z[0], self._z[1], self._z[2]
+        tiny = np.finfo(float).tiny
+        under, over = np.clip(height - low, 0.0, middle - low), np.clip(high - height, 0.0, high - middle)
+        tip: FloatArray = under**3 / np.maximum(3.0 * (middle - low) * (high - low), tiny)
+        rest: FloatArray = (
+            height - (low + middle + high) / 3.0 + over**3 / np.maximum(3.0 * (high - low) * (high - middle), tiny)
+        )
+        mean_depths: FloatArray = np.where(height <= middle, tip, rest)
+        return float(self._downward @ mean_depths)
 
 
-def _cut(hull: Manifold, normal: FloatArray, depth: float, top: float | None = None) -> Manifold:
-    """The hull without the part less than `depth` below its highest point along `normal`, whose height is `top`."""
+def _cut(hull: Manifold, normal: FloatArray, depth: float) -> Manifold:
+    """The hull without the part less than `depth` below its highest point along `normal`."""
     if depth <= 0.0:
         return hull
-    top = _top(hull, normal) if top is None else top
+    top = float((manifold_arrays(hull)[0] @ normal).max())
     return hull.trim_by_plane((-normal[0], -normal[1], -normal[2]), depth - top)
 
 

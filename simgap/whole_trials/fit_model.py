@@ -1,8 +1,12 @@
 """Fits of whole models: parameters shared by all trials and a free start of each, by Gauss and Newton.
 
-From terms with start values to values, starts, deviance per trial and information. The starts of each trial are
+From terms with start values to values, starts, loss per trial and information. The starts of each trial are
 eliminated from the normal equations (Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973), so that their number does not
-matter; steps are damped (Levenberg, Marquardt). The deviance is the sum of squared errors in noise levels.
+matter; steps are damped (Levenberg, Marquardt).
+
+The deviance of a trial is its sum of squared errors in noise levels. Its loss is 2 n log((1 + deviance / n) / 2) for n
+rows: near the noise it changes as the deviance does, and a trial that no model follows, such as one that goes over the
+top the other way, does not outvote the others. Steps minimise it by weights 2 / (1 + deviance / n).
 """
 
 from __future__ import annotations
@@ -21,6 +25,7 @@ _LARGEST_ERROR = 1e4  # noise levels beyond which an error counts no more: what 
 _START_PRIOR = 1e-3  # precision that holds a start in place, in its steps: a start may be of no effect
 _DAMPING, _MOST_DAMPING, _TRIALS = 1e-3, 1e6, 6
 _SINGULAR = 1e-9
+_MOST_CORRELATION = 0.98
 
 
 @dataclass(frozen=True)
@@ -30,8 +35,9 @@ class ModelFit:
     starts      (t, s) in the system's start steps.
     deviance    (t,) sum of squared errors in noise levels.
     rows        (t,) errors that were compared, less the start values that they determine.
-    information (p, p) and `gradients` (t, p) of half the deviance in shares of the parameters' ranges, starts
-                eliminated; `trial_information` (t, p, p) are the parts of each trial.
+    gradients   (t, p) of half the loss in shares of the parameters' ranges, starts eliminated, and
+                `trial_information` (t, p, p).
+    correlation of an error with the next one of its trial: more than none where errors are not noise.
     """
 
     model: Model
@@ -40,6 +46,19 @@ class ModelFit:
     rows: FloatArray
     trial_information: FloatArray
     gradients: FloatArray
+    correlation: float
+
+    @property
+    def losses(self) -> FloatArray:
+        """(t,) see the head of the module."""
+        return losses(self.deviance, self.rows)
+
+    @property
+    def dispersion(self) -> float:
+        """Variance of a change of the loss over what it would be if errors were noise, one independent of the next."""
+        weighted = (weights(self.deviance, self.rows) * self.deviance).sum() / self.rows.sum()
+        correlation = min(max(self.correlation, 0.0), _MOST_CORRELATION)
+        return max(1.0, float(weighted)) * (1.0 + correlation) / (1.0 - correlation)
 
     @property
     def effects(self) -> tuple[Term, ...]:
@@ -101,17 +120,18 @@ def with_vector(model: Model, vector: FloatArray) -> Model:
 class Linearisation:
     """Errors (t, n) of a model and their slopes: (t, n, p) in shares of the parameters' ranges, (t, n, s) in starts.
 
-    What was not measured is zero in all three; `rows` (t,) counts the rest.
+    All are multiplied by the root of the trial's weight (t,). What was not measured is zero.
     """
 
     errors: FloatArray
     parameter_slopes: FloatArray
     start_slopes: FloatArray
-    rows: FloatArray
+    weight: FloatArray
 
     def with_parameters(self, slopes: FloatArray) -> Linearisation:
-        """With further columns (t, n, q)."""
-        return replace(self, parameter_slopes=np.concatenate([self.parameter_slopes, slopes], axis=2))
+        """With further columns (t, n, q), without weights."""
+        weighted = slopes * np.sqrt(self.weight)[:, None, None]
+        return replace(self, parameter_slopes=np.concatenate([self.parameter_slopes, weighted], axis=2))
 
     def only(self, chosen: FloatArray) -> Linearisation:
         """With the chosen parameters alone."""
@@ -183,6 +203,21 @@ def deviances(errors: FloatArray) -> FloatArray:
     return np.nansum(errors**2, axis=1)
 
 
+def losses(deviance: FloatArray, rows: FloatArray) -> FloatArray:
+    """(t,) of deviances (t,) over so many rows (t,)."""
+    return 2.0 * rows * np.log(0.5 * (1.0 + deviance / rows))
+
+
+def weights(deviance: FloatArray, rows: FloatArray) -> FloatArray:
+    """(t,) changes of the losses by deviance."""
+    return 2.0 / (1.0 + deviance / rows)
+
+
+def rows_of(errors: FloatArray, starts: int) -> FloatArray:
+    """(t,) errors that were measured, less the start values that they determine."""
+    return np.maximum(np.isfinite(errors).sum(axis=1) - starts, 1).astype(float)
+
+
 def linearise(system: TrialSystem, model: Model, starts: FloatArray, fixed: bool = False) -> Linearisation:
     """Errors and slopes of a model at these starts; `fixed` leaves out the slopes in parameters."""
     steps = starts.shape[1]
@@ -194,12 +229,13 @@ def linearise(system: TrialSystem, model: Model, starts: FloatArray, fixed: bool
     start_slopes = np.stack([a - plain for a in after], axis=2) if after else np.zeros((*plain.shape, 0))
     columns = [] if fixed else _parameter_slopes(system, model, starts, plain)
     slopes = np.stack(columns, axis=2) if columns else np.zeros((*plain.shape, 0))
-    rows = np.maximum(measured.sum(axis=1) - steps, 1).astype(float)
-    return Linearisation(*(np.where(_like(measured, x), x, 0.0) for x in (plain, slopes, start_slopes)), rows)
-
-
-def _like(measured: FloatArray, values: FloatArray) -> FloatArray:
-    return measured if values.ndim == 2 else measured[:, :, None]
+    weight = weights(deviances(plain), rows_of(plain, steps))
+    root = np.sqrt(weight)[:, None]
+    return Linearisation(
+        np.where(measured, plain, 0.0) * root,
+        *(np.where(measured[:, :, None], x, 0.0) * root[:, :, None] for x in (slopes, start_slopes)),
+        weight,
+    )
 
 
 def _parameter_slopes(system: TrialSystem, model: Model, starts: FloatArray, plain: FloatArray) -> list[FloatArray]:
@@ -229,8 +265,7 @@ def fit_model(
     Values stay within the candidates' bounds.
     """
     space, vector = Space.of(model), vector_of(model)
-    errors = clipped(system.errors(model, starts[None]))[0]
-    cost = deviances(errors).sum() + space.penalty(vector)
+    cost = _cost(system, model, starts) + space.penalty(vector)
     damping = _DAMPING
     for _ in range(iterations or policy.iterations):
         linear = linearise(system, with_vector(model, vector), starts, fixed)
@@ -266,16 +301,29 @@ def _try_step(
         moved = np.clip(vector + steps * space.span, space.low, space.high)
     shares = (moved - vector) / space.span if not fixed else np.zeros(0)
     after = starts + linear.starts_after(damping, shares)
-    errors = clipped(system.errors(with_vector(model, moved), after[None]))[0]
-    lower = deviances(errors).sum() + space.penalty(moved)
-    return (moved, after, float(lower)) if lower < cost else None
+    lower = _cost(system, with_vector(model, moved), after) + space.penalty(moved)
+    return (moved, after, lower) if lower < cost else None
+
+
+def _cost(system: TrialSystem, model: Model, starts: FloatArray) -> float:
+    errors = clipped(system.errors(model, starts[None]))[0]
+    return float(losses(deviances(errors), rows_of(errors, starts.shape[1])).sum())
 
 
 def fit_at(system: TrialSystem, model: Model, starts: FloatArray) -> ModelFit:
     """The record of a model at given values and starts."""
     linear = linearise(system, model, starts)
     information, gradients = linear.reduced()
-    return ModelFit(model, starts, deviances(linear.errors), linear.rows, information, gradients)
+    errors = clipped(system.errors(model, starts[None]))[0]
+    rows = rows_of(errors, starts.shape[1])
+    return ModelFit(model, starts, deviances(errors), rows, information, gradients, _correlation(system, linear))
+
+
+def _correlation(system: TrialSystem, linear: Linearisation) -> float:
+    """Of weighted errors with those of the same channel a row later; those not measured are zero."""
+    by_row = linear.errors.reshape(len(linear.errors), -1, system.channel_count)
+    square = float((by_row[:, :-1] ** 2).sum())
+    return float((by_row[:, :-1] * by_row[:, 1:]).sum()) / max(square, 1e-12)
 
 
 def half_widths(fit: ModelFit, quantile: float) -> dict[str, dict[str, float]]:
@@ -292,12 +340,7 @@ def half_widths(fit: ModelFit, quantile: float) -> dict[str, dict[str, float]]:
     trials = len(fit.gradients)
     spread = fit.gradients - fit.gradients.mean(axis=0)
     clustered = inverse @ (spread.T @ spread) @ inverse * trials / max(trials - 1, 1)
-    noise = inverse * max(1.0, 1.0 + fit.excess)
+    noise = inverse * fit.dispersion
     error = np.sqrt(np.maximum(np.maximum(np.diag(clustered), np.diag(noise)), 0.0)) * space.span
     widths = iter(quantile * error)
     return {t.candidate.key: {n: float(next(widths)) for n in t.values} for t in fit.model}
-
-
-def start_model(candidates: Sequence[Term]) -> Model:
-    """Terms as a model."""
-    return tuple(candidates)

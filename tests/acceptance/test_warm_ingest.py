@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from assetkit.batch import item_cells
 from assetkit.batch.item_cells import PRELOAD, Batch, run_items
 from assetkit.options import Options
 from assetkit.sources.discover import discover
@@ -40,7 +41,10 @@ def test_libraries_of_a_warm_cell_keep_to_one_thread(tmp_path: Path, monkeypatch
     assert (result.status, result.output.strip()) == ("ok", "1")
 
 
-def test_warm_and_cold_packages_are_equal(tmp_path: Path):
+@pytest.mark.parametrize("ready_studio_from", [1, 2])
+def test_warm_and_cold_packages_are_equal(ready_studio_from: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """With pictures from a ready studio and from new ones."""
+    monkeypatch.setattr(item_cells, "READY_STUDIO_FROM", ready_studio_from)
     points, triangles, _ = cylinder(0.1, 0.05, 0.03, 8)
     lines = [f"v {x} {y} {z}" for x, y, z in points.tolist()]
     lines += [f"f {a} {b} {c}" for a, b, c in (triangles + 1).tolist()]

@@ -204,7 +204,7 @@ class MechanismProblem(Problem):
 
     def whole_trials(self, trials: Sequence[str]) -> MechanismTrials:
         """See `simgap.problem.Problem`."""
-        return MechanismTrials(self.declared, self.logs.by_trial, trials, self.logs.step_s)
+        return MechanismTrials.of(self.declared, self.logs.by_trial, trials, self.logs.step_s)
 
     def timing_check(self) -> ConventionCheck | None:
         """See `simgap.problem.Problem`."""

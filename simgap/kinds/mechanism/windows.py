@@ -78,7 +78,8 @@ def windows_of(pieces: Sequence[tuple[Series, Cut]], applied: Applied) -> Window
     """All windows of all trials; shorter ones are held at their last row, so that time stands still there."""
     longest = max(c.rows.shape[1] for _, c in pieces)
     rows = [np.pad(c.rows, ((0, 0), (0, longest - c.rows.shape[1])), mode="edge") for _, c in pieces]
-    sent = [applied.sent(series) for series, _ in pieces]
+    by_series = {id(series): applied.sent(series) for series, _ in {id(p[0]): p for p in pieces}.values()}
+    sent = [by_series[id(series)] for series, _ in pieces]
 
     def gathered(name: str) -> FloatArray | None:
         if not all(name in s.columns for s in sent):

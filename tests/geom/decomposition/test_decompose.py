@@ -11,7 +11,7 @@ from geom.decomposition.decompose import convex_parts
 from geom.decomposition.merge_hulls import merge_hulls
 from geom.decomposition.plane_cuts import CutGoal, Piece, cut_apart, excess_after
 from geom.decomposition.simplified_body import simplified, simplify_body
-from geom.decomposition.trim_hulls import trim_hulls
+from geom.decomposition.trim_hulls import UNCERTAIN, VolumeBelow, trim_hulls
 from geom.features.cavities import find_cavities
 from geom.mesh.manifold_arrays import manifold_arrays
 from geom.mesh.surface_distance import SignedDistance
@@ -110,29 +110,42 @@ def test_a_fault_makes_a_pair_dearer():
 def test_trimming_makes_a_bent_plate_as_thin_as_it_is():
     ring = Manifold.cylinder(1.0, 1.0, 1.0, 96) - Manifold.cylinder(1.0, 0.97, 0.97, 96)
     quarter = ring.trim_by_plane((1, 0, 0), 0.7)
-    (trimmed,) = trim_hulls([quarter.hull()], quarter, SignedDistance(*manifold_arrays(quarter)), depth=0.4)
+    (trimmed,) = trim_hulls([quarter.hull()], [quarter], SignedDistance(*manifold_arrays(quarter)), depth=0.4)
     assert quarter.hull().volume() > 5.0 * quarter.volume()
     assert quarter.volume() <= trimmed.volume() <= 1.05 * quarter.volume()
     # The slab between the edges stays: less than half a wall is taken from the inside.
     assert trimmed.bounding_box()[0] == pytest.approx(quarter.bounding_box()[0], abs=0.015)
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_volume_below_a_plane_is_that_of_the_cut_body(seed: int):
+    """Bodies with corners and faces at the height of the plane too; far closer than what counts as certain."""
+    rng = np.random.default_rng(seed)
+    bodies = (Manifold.hull_points(rng.normal(size=(30, 3))), Manifold.cube((1.0, 2.0, 3.0)))
+    for body, normal in zip(bodies, (np.array([0.6, 0.0, 0.8]), np.array([0.0, 0.0, 1.0])), strict=True):
+        below = VolumeBelow(body, normal)
+        heights = manifold_arrays(body)[0] @ normal
+        for height in (*np.linspace(heights.min() - 0.1, heights.max() + 0.1, 23), *heights):
+            cut = body.trim_by_plane((-normal[0], -normal[1], -normal[2]), -height)
+            assert below(float(height)) == pytest.approx(cut.volume(), abs=1e-3 * UNCERTAIN * body.volume())
+        assert below.top == heights.max()
+
+
 def test_trimming_leaves_flat_faces_and_joints_alone():
     wedge = Manifold.hull_points(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 0, 1], [0, 1, 1.0]]))
     hollow = wedge - Manifold.cube((0.2, 0.8, 0.2)).translate((0.1, 0.1, 0.1))
-    (kept,) = trim_hulls([wedge], hollow, SignedDistance(*manifold_arrays(hollow)), depth=0.1)
+    (kept,) = trim_hulls([wedge], [wedge ^ hollow], SignedDistance(*manifold_arrays(hollow)), depth=0.1)
     assert kept.volume() == pytest.approx(wedge.volume())
     plate = Manifold.cylinder(0.2, 1.0, 1.0, 64)
     half, rest = plate.split_by_plane((1, 0, 0), 0.0)
-    (joined,) = trim_hulls(
-        [half], plate - rest.scale((0.1, 0.1, 0.1)), SignedDistance(*manifold_arrays(plate)), depth=0.1
-    )
+    inside = half ^ (plate - rest.scale((0.1, 0.1, 0.1)))
+    (joined,) = trim_hulls([half], [inside], SignedDistance(*manifold_arrays(plate)), depth=0.1)
     assert joined.bounding_box()[0] == pytest.approx(half.bounding_box()[0])
 
 
 def test_trimming_takes_emptiness_but_less_than_half_a_wall():
     tent = Manifold.cube((2.0, 1.0, 0.1)).rotate((0, 30, 0)) + Manifold.cube((2.0, 1.0, 0.1)).rotate((0, 150, 0))
-    (trimmed,) = trim_hulls([tent.hull()], tent, SignedDistance(*manifold_arrays(tent)), depth=0.5)
+    (trimmed,) = trim_hulls([tent.hull()], [tent], SignedDistance(*manifold_arrays(tent)), depth=0.5)
     assert trimmed.volume() < tent.hull().volume()
     assert trimmed.bounding_box()[5] == pytest.approx(tent.bounding_box()[5], abs=0.05)
 
