@@ -211,10 +211,15 @@ class TrialSystem(Protocol):
         """
         ...
 
-    def pieces(self, count: int) -> TrialSystem | None:
-        """Each trial cut into so many pieces that start freely, one after the other; None where they get too short.
+    @property
+    def piece_starts(self) -> tuple[tuple[int, int], ...]:
+        """(t,) number of the trial, and row in it, where each starts."""
+        ...
 
-        With `count` a power of two, pieces of half as many begin where every other one of these does.
+    def pieces(self, count: int) -> TrialSystem | None:
+        """Each trial cut into so many pieces (a power of two) that start freely; None where they get too short.
+
+        What starts a longer piece starts one of the shorter ones, too.
         """
         ...
 

@@ -142,14 +142,14 @@ class SensorMap:
     that `spares_joints` changes poses alone where a log holds poses and joints.
 
     A sensor with memory can `follow`: readings (w, k, j) of positions in windows with rows at t_s (w, k), from the
-    readings (w, j) at the first rows. Roll-outs are then compared with what it reads, since what is recovered from
-    readings has more noise than they have.
+    readings (w, j) at the first rows, or None where it has settled there. Roll-outs are then compared with what it
+    reads, since what is recovered from readings has more noise than they have.
     """
 
     report: Callable[[Series, Params, Place], Series]
     recover: Callable[[Series, Params, Place], Series]
     spares_joints: bool = False
-    follow: Callable[[FloatArray, FloatArray, FloatArray, Params], FloatArray] | None = None
+    follow: Callable[[FloatArray, FloatArray, FloatArray | None, Params], FloatArray] | None = None
 
 
 Hook = ModelChange | CommandMap | EffortMap | JointTorque | JointFriction | BodyWrench | SensorMap

@@ -50,7 +50,15 @@ def confidence_set(search: ModelSearch, policy: Policy) -> ConfidenceSet:
 
 
 def _rejected(model: FittedModel, chosen: FittedModel, policy: Policy) -> Decision:
-    """Kept, as a rejection, where the chosen model is significantly better."""
-    p_value = p_of_no_better(model.held_out, chosen.held_out)
-    test = criterion("p-value of no better held-out deviance", p_value, "<", policy.rejection_alpha)
-    return decide([(Reason.INSEPARABLE_FROM, test)])
+    """Kept, as a rejection, where the chosen model is significantly and noticeably better."""
+    p_value = p_of_no_better(model.held_out, chosen.held_out, chosen.fit.dispersion, 1)
+    lead = float((model.held_out - chosen.held_out).sum() / chosen.fit.rows.sum())
+    return decide(
+        [
+            (
+                Reason.INSEPARABLE_FROM,
+                criterion("p-value of no better held-out loss", p_value, "<", policy.rejection_alpha),
+            ),
+            (Reason.INSEPARABLE_FROM, criterion("held-out loss per row ahead", lead, ">", policy.least_lead)),
+        ]
+    )

@@ -11,12 +11,11 @@ top the other way, does not outvote the others. Steps minimise it by weights 2 /
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from schemas.arrays import FloatArray
+from schemas.arrays import BoolArray, FloatArray
 from simgap.problem import Model, Term, TrialSystem
 from simgap.whole_trials.policy import Policy
 
@@ -25,6 +24,7 @@ _LARGEST_ERROR = 1e4  # noise levels beyond which an error counts no more: what 
 _START_PRIOR = 1e-3  # precision that holds a start in place, in its steps: a start may be of no effect
 _DAMPING, _MOST_DAMPING, _TRIALS = 1e-3, 1e6, 6
 _SINGULAR = 1e-9
+_AT_BOUND = 1e-3  # of a range
 _MOST_CORRELATION = 0.98
 
 
@@ -99,6 +99,11 @@ class Space:
         half = np.where(high > low, 0.5 * (high - low), 1.0)
         mean = np.array([c.null[n] for c, n in names])
         return Space(low, high, np.where(nuisance, mean, 0.0), np.where(nuisance, 1.0 / half**2, 0.0))
+
+    def inside(self, vector: FloatArray) -> BoolArray:
+        """(p,) values so far from their bounds that they move with others."""
+        edge = _AT_BOUND * self.span
+        return (vector > self.low + edge) & (vector < self.high - edge)
 
     def penalty(self, vector: FloatArray) -> float:
         """What the prior adds to the deviance."""
@@ -265,7 +270,7 @@ def fit_model(
     Values stay within the candidates' bounds.
     """
     space, vector = Space.of(model), vector_of(model)
-    cost = _cost(system, model, starts) + space.penalty(vector)
+    cost = loss_at(system, model, starts) + space.penalty(vector)
     damping = _DAMPING
     for _ in range(iterations or policy.iterations):
         linear = linearise(system, with_vector(model, vector), starts, fixed)
@@ -301,11 +306,12 @@ def _try_step(
         moved = np.clip(vector + steps * space.span, space.low, space.high)
     shares = (moved - vector) / space.span if not fixed else np.zeros(0)
     after = starts + linear.starts_after(damping, shares)
-    lower = _cost(system, with_vector(model, moved), after) + space.penalty(moved)
+    lower = loss_at(system, with_vector(model, moved), after) + space.penalty(moved)
     return (moved, after, lower) if lower < cost else None
 
 
-def _cost(system: TrialSystem, model: Model, starts: FloatArray) -> float:
+def loss_at(system: TrialSystem, model: Model, starts: FloatArray) -> float:
+    """Sum of the losses of a model at given values and starts."""
     errors = clipped(system.errors(model, starts[None]))[0]
     return float(losses(deviances(errors), rows_of(errors, starts.shape[1])).sum())
 

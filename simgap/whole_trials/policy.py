@@ -10,9 +10,11 @@ class Policy:
     """Thresholds; probabilities and shares have unit 1.
 
     alpha             chance of a false effect per step of the search, over all candidates together (Bonferroni).
-    rejection_alpha   chance below which a model leaves the confidence set: the usual 5 % of a 95 % set.
-    least_gain        share of the held-out deviance that an effect must take off. Two integrators of one law differ by
-                      up to 1 % on the control recordings of `docs/benchmarks-simgap.md`.
+    rejection_alpha   chance below which a model leaves the confidence set: one in a thousand, as a wrong name is worse
+                      than a group.
+    least_gain        loss per row that an effect must take off, in units of that of noise. Two integrators of one law
+                      differ by up to 1 % on the control recordings of `docs/benchmarks-simgap.md`.
+    least_lead        loss per row by which a rejected model must be worse; half of that.
     explained         share of the null model's excess over noise that may stay before a name is doubted. 2 % of
                       the mean square are 86 % less error: right laws leave less on the foreign recordings (cases 1
                       and 3: 1 and 0.2 %), wrong ones more (cases 7 and 15: 45 and 4 %).
@@ -22,18 +24,26 @@ class Policy:
     beam              models that the next step extends.
     full_fits         candidates per extended model that are fitted to the end, best score first.
     promising         share of the best score that a candidate needs to be fitted to the end.
-    iterations        steps of Gauss and Newton of one fit; they end earlier at `least_step` of deviance.
+    pieces            into which trials are cut, on the rungs of the ladder before whole trials.
+    begins            rungs from which a candidate's fit climbs, those with its best scores.
+    rung_iterations   steps of Gauss and Newton on each rung, and `iterations` at the end for so many `polished` models;
+                      they end earlier at `least_step` of loss.
     """
 
     alpha: float = 0.05
-    rejection_alpha: float = 0.05
+    rejection_alpha: float = 0.001
     least_gain: float = 0.02
+    least_lead: float = 0.005
     explained: float = 0.02
     noise_excess: float = 0.1
     most_effects: int = 3
     beam: int = 2
     full_fits: int = 8
-    promising: float = 0.3
+    promising: float = 0.2
+    pieces: tuple[int, ...] = (16, 4)
+    begins: int = 2
+    rung_iterations: int = 4
+    polished: int = 4
     iterations: int = 12
     least_step: float = 0.5
 

@@ -1,4 +1,4 @@
-"""Score tests: how much deviance each candidate would take off a fitted model, from one roll-out per probe.
+"""Score tests: how much loss each candidate would take off a fitted model, from one roll-out per probe.
 
 A probe is the candidate at a small strength (or at a threshold); the change of the errors, with starts and the fitted
 parameters free beside it, gives the reduction of a linear step and the strength at which it is reached (Rao, 1948).
@@ -17,7 +17,6 @@ from simgap.problem import Candidate, Term, TrialSystem
 from simgap.whole_trials.fit_model import Linearisation, ModelFit, Space, clipped, solve_safely, vector_of
 
 _PROBE = 0.01  # of a strength's range
-_AT_BOUND = 1e-3  # of a range: nuisances so near their bound cannot move with a candidate
 _COUNTS = 40  # of harmonic laws, evenly by ratio over the plausible ones
 _SPEEDS = 6
 _RESTS = 5
@@ -25,7 +24,7 @@ _RESTS = 5
 
 @dataclass(frozen=True)
 class Score:
-    """A candidate with the deviance that a linear step takes off, and values to begin fits from, best first."""
+    """A candidate with the loss that a linear step takes off, and values to begin fits from, best first."""
 
     candidate: Candidate
     reduction: float
@@ -37,7 +36,7 @@ def scores(
 ) -> tuple[Score, ...]:
     """All candidates by their scores beside a fitted model, best first."""
     space, vector = Space.of(fit.model), vector_of(fit.model)
-    inside = (vector > space.low + _AT_BOUND * space.span) & (vector < space.high - _AT_BOUND * space.span)
+    inside = space.inside(vector)
     span = space.span[inside]
     prior = space.prior_precision[inside] * span**2
     pull = space.prior_precision[inside] * span * (vector - space.prior_mean)[inside]
@@ -50,11 +49,12 @@ def _score(
     system: TrialSystem, fit: ModelFit, base: Linearisation, prior: FloatArray, pull: FloatArray, candidate: Candidate
 ) -> Score:
     best = Score(candidate, 0.0, ())
+    plain = base.errors / np.sqrt(base.weight)[:, None]
     for group in _probe_groups(candidate):
         changes = []
         for values in group:
             errors = clipped(system.errors((*fit.model, Term(candidate, values)), fit.starts[None]))[0]
-            changes.append(np.where(np.isfinite(errors), errors, 0.0) - base.errors)
+            changes.append(np.where(np.isfinite(errors), errors, 0.0) - plain)
         information, gradients = base.with_parameters(np.stack(changes, axis=2)).reduced()
         count = len(group)
         total = information.sum(axis=0) + np.diag(np.concatenate([prior, np.zeros(count)]))

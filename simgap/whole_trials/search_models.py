@@ -1,8 +1,9 @@
 """Which models explain the trials: the null, then models of one, two, three effects, each grown from the best before.
 
-From candidates and a system of trials to fitted models by size. Every size is screened by score tests; the promising
-candidates are fitted to the end. A size is entered only where its best model is significantly and noticeably better
-than the best of the size before, on trials that taught it nothing.
+From candidates and a ladder of trials to fitted models by size. Every size is screened by score tests on each rung;
+the promising candidates are fitted up the ladder, from the values that the tests suggest. A size is entered only where
+its best model is significantly and noticeably better than the best of the size before, on trials that taught it
+nothing.
 """
 
 from __future__ import annotations
@@ -10,23 +11,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from schemas.arrays import FloatArray
 from schemas.gap import Reason
 from simgap.inference.decision import Decision, criterion, decide
-from simgap.problem import Candidate, Model, Term, TrialSystem
-from simgap.whole_trials.fit_model import ModelFit, fit_model, linearise
-from simgap.whole_trials.held_out import held_out_deviance, p_of_no_better
+from simgap.problem import Candidate, Term
+from simgap.whole_trials.fit_model import ModelFit, fit_model, linearise, loss_at
+from simgap.whole_trials.held_out import held_out_losses, p_of_no_better
+from simgap.whole_trials.ladder import Ladder, climb
 from simgap.whole_trials.policy import Policy
 from simgap.whole_trials.score_test import Score, scores
 
-_LEAST_SCORE = 8.0  # deviance below which a linear step is noise: 99.5 % of chi-squared with one degree
+_LEAST_SCORE = 8.0  # loss below which a linear step is noise: 99.5 % of chi-squared with one degree
 
 
 @dataclass(frozen=True)
 class FittedModel:
-    """A model with its deviance on trials that taught it nothing (t,)."""
+    """A model with its loss on trials that taught it nothing (t,)."""
 
     fit: ModelFit
     held_out: FloatArray
@@ -65,83 +65,107 @@ class ModelSearch:
 
 
 def search_models(
-    system: TrialSystem,
-    candidates: Sequence[Candidate],
-    nuisances: Sequence[Candidate],
-    policy: Policy,
-    most: int | None = None,
+    ladder: Ladder, candidates: Sequence[Candidate], policy: Policy, most: int | None = None
 ) -> ModelSearch:
     """Models of at most `most` effects (0: the null alone)."""
-    null = null_model(system, nuisances, policy)
-    last, growths = [null], []
+    null = _fitted(ladder.nulls[-1])
+    parents, growths = [Parent(null, ladder.nulls)], []
     for _ in range(policy.most_effects if most is None else most):
-        growth = _grow(system, last, candidates, policy)
+        growth = _grow(ladder, parents, candidates, policy)
         if growth is None:
             break
         growths.append(growth)
         if not growth.entered.kept:
             break
-        last = list(growth.models)
+        parents = [Parent(m, _on_rungs(ladder, m.fit, policy)) for m in growth.models[: policy.beam]]
     return ModelSearch(null, tuple(growths))
 
 
-def null_model(system: TrialSystem, nuisances: Sequence[Candidate], policy: Policy) -> FittedModel:
-    """The declared model with its nuisances and all starts fitted."""
-    model = tuple(Term(c, dict(c.start)) for c in nuisances)
-    starts = np.zeros_like(system.start_steps)
-    # The starts alone first: as far off as they are, they would move the nuisances.
-    starts = fit_model(system, model, starts, policy, fixed=True).starts
-    return _fitted(fit_model(system, model, starts, policy))
+@dataclass(frozen=True)
+class Parent:
+    """A model to extend, fitted on every rung: the last of `rungs` is its own fit."""
+
+    model: FittedModel
+    rungs: tuple[ModelFit, ...]
 
 
 def _fitted(fit: ModelFit) -> FittedModel:
-    return FittedModel(fit, held_out_deviance(fit))
+    return FittedModel(fit, held_out_losses(fit))
 
 
-def _grow(
-    system: TrialSystem, parents: Sequence[FittedModel], candidates: Sequence[Candidate], policy: Policy
-) -> Growth | None:
-    models: dict[frozenset[str], FittedModel] = {}
-    first: tuple[Score, ...] = ()
-    for parent in parents[: policy.beam]:
-        linear = linearise(system, parent.fit.model, parent.fit.starts)
-        ranked = scores(system, parent.fit, linear, [c for c in candidates if c.key not in parent.fit.keys])
-        first = first or ranked
-        enough = max(_LEAST_SCORE, policy.promising * ranked[0].reduction) if ranked else np.inf
-        for score in [s for s in ranked if s.reduction >= enough][: policy.full_fits]:
-            keys = parent.fit.keys | {score.candidate.key}
-            if keys not in models:
-                models[keys] = _fitted(extended(system, parent.fit, score, policy))
-    if not models:
-        return None
-    ordered = tuple(sorted(models.values(), key=lambda m: m.order))
-    return Growth(ordered, first, _enters(parents[0], ordered[0], len(candidates), policy))
-
-
-def extended(system: TrialSystem, parent: ModelFit, score: Score, policy: Policy) -> ModelFit:
-    """A model with a further effect, fitted from the better of its beginnings."""
-    begun = [
-        fit_model(system, _added(parent.model, score.candidate, values), parent.starts, policy, iterations=2)
-        for values in score.begins
+def _on_rungs(ladder: Ladder, fit: ModelFit, policy: Policy) -> tuple[ModelFit, ...]:
+    """A fitted model's starts on each shorter rung, its values unchanged."""
+    shorter = [
+        fit_model(system, fit.model, null.starts, policy, fixed=True, iterations=policy.rung_iterations)
+        for system, null in zip(ladder.rungs[:-1], ladder.nulls[:-1], strict=True)
     ]
-    best = min(begun, key=lambda f: float(f.deviance.sum()))
-    return fit_model(system, best.model, best.starts, policy)
+    return (*shorter, fit)
 
 
-def _added(model: Model, candidate: Candidate, values: dict[str, float]) -> Model:
-    return (*model, Term(candidate, values))
+def _grow(ladder: Ladder, parents: Sequence[Parent], candidates: Sequence[Candidate], policy: Policy) -> Growth | None:
+    fits: dict[frozenset[str], ModelFit] = {}
+    first: tuple[Score, ...] = ()
+    for parent in parents:
+        rest = [c for c in candidates if c.key not in parent.model.fit.keys]
+        by_rung = [
+            scores(system, fit, linearise(system, fit.model, fit.starts), rest)
+            for system, fit in zip(ladder.rungs, parent.rungs, strict=True)
+        ]
+        first = first or by_rung[-1]
+        for candidate in _promising(by_rung, policy):
+            keys = parent.model.fit.keys | {candidate.key}
+            fit = _extended(ladder, parent, candidate, by_rung, policy)
+            if keys not in fits or fit.losses.sum() < fits[keys].losses.sum():
+                fits[keys] = fit
+    if not fits:
+        return None
+    by_loss = sorted(fits.values(), key=lambda f: float(f.losses.sum()))
+    whole = ladder.whole
+    polished = [fit_model(whole, f.model, f.starts, policy) for f in by_loss[: policy.polished]]
+    ordered = tuple(sorted(map(_fitted, (*polished, *by_loss[policy.polished :])), key=lambda m: m.order))
+    return Growth(ordered, first, _enters(parents[0].model, ordered[0], len(candidates), policy))
+
+
+def _promising(by_rung: Sequence[Sequence[Score]], policy: Policy) -> list[Candidate]:
+    """Candidates whose score comes near the best on some rung, in turn from each rung, best first."""
+    chosen: dict[str, Candidate] = {}
+    lists = []
+    for ranked in by_rung:
+        enough = max(_LEAST_SCORE, policy.promising * ranked[0].reduction) if ranked else 0.0
+        lists.append([s.candidate for s in ranked if s.reduction >= enough])
+    for place in range(max((len(names) for names in lists), default=0)):
+        for names in lists:
+            if place < len(names) and len(chosen) < policy.full_fits:
+                chosen.setdefault(names[place].key, names[place])
+    return list(chosen.values())
+
+
+def _extended(
+    ladder: Ladder, parent: Parent, candidate: Candidate, by_rung: Sequence[Sequence[Score]], policy: Policy
+) -> ModelFit:
+    """A model with a further effect, fitted up the ladder from what each rung suggests; the best of these fits."""
+    own = [next(s for s in ranked if s.candidate.key == candidate.key) for ranked in by_rung]
+    best = sorted(range(len(own)), key=lambda rung: -own[rung].reduction)[: policy.begins]
+    fits = []
+    for rung in [r for r in best if own[r].begins]:
+        below = parent.rungs[rung]
+        begun = [(*below.model, Term(candidate, values)) for values in own[rung].begins]
+        model = min(begun, key=lambda m: loss_at(ladder.rungs[rung], m, below.starts))
+        fits.append(climb(ladder, rung, model, below.starts, policy))
+    return min(fits, key=lambda f: float(f.losses.sum()))
 
 
 def _enters(before: FittedModel, after: FittedModel, candidates: int, policy: Policy) -> Decision:
     """Kept if the larger model is significantly and noticeably better on trials that taught it nothing."""
-    p_value = min(1.0, candidates * p_of_no_better(before.held_out, after.held_out))
-    gain = 1.0 - after.held_out.sum() / max(before.held_out.sum(), 1e-12)
+    degrees = len(after.fit.effects[-1].values)
+    p_value = p_of_no_better(before.held_out, after.held_out, after.fit.dispersion, degrees)
+    gain = float((before.held_out - after.held_out).sum() / after.fit.rows.sum())
     return decide(
         [
+            (Reason.TOO_SMALL, criterion("held-out loss per row that it takes off", gain, ">", policy.least_gain)),
             (
-                Reason.TOO_SMALL,
-                criterion("share of the held-out deviance that it takes off", gain, ">", policy.least_gain),
+                Reason.NOT_SIGNIFICANT,
+                criterion("adjusted p-value", min(1.0, candidates * p_value), "<", policy.alpha),
             ),
-            (Reason.NOT_SIGNIFICANT, criterion("adjusted p-value", p_value, "<", policy.alpha)),
         ]
     )

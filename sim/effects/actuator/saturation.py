@@ -14,7 +14,19 @@ from sim.effects.ranges import JointRanges
 
 _LEAST_EFFORT = 1e-9  # N m (N): no division by what was never commanded
 _LOWEST_LIMIT, _HIGHEST_LIMIT = 0.1, 4.0  # limits that are searched, over the typical commanded effort
-_LIMIT_SHARES = (0.2, 0.35, 0.5, 0.65, 0.8, 0.95, 1.1)  # of it: a limit above all efforts has no gradient
+_LIMIT_SHARES = (
+    0.2,
+    0.35,
+    0.5,
+    0.65,
+    0.8,
+    0.95,
+    1.1,
+    1.3,
+    1.6,
+    2.0,
+    2.5,
+)  # of it: a limit above all efforts has no gradient
 
 
 def _map(state: JointState, values: FloatArray, memory: FloatArray) -> Any:

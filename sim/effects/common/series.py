@@ -53,7 +53,10 @@ def low_passed(
     behind = time_constant_s * slopes
     answers = np.empty_like(values)
     answers[:, 0] = values[:, 0] - behind[:, 0] if start is None else start
+    left = answers[:, 0] - values[:, 0] + behind[:, 0]
     for k in range(values.shape[1] - 1):
-        left = answers[:, k] - values[:, k] + behind[:, k]
-        answers[:, k + 1] = values[:, k + 1] - behind[:, k] + fades[:, k] * left
+        left = left + (behind[:, k] - behind[:, k - 1]) if k else left
+        left = fades[:, k] * left
+        answers[:, k + 1] = left
+    answers[:, 1:] += values[:, 1:] - behind
     return answers

@@ -43,7 +43,7 @@ def _recover(series: Series, params: Params, where: Place) -> Series:
     return with_columns(recovered, ("reading",), lambda reading: reading + shift)
 
 
-def _follow(t_s: FloatArray, q: FloatArray, start: FloatArray, params: Params) -> FloatArray:
+def _follow(t_s: FloatArray, q: FloatArray, start: FloatArray | None, params: Params) -> FloatArray:
     return low_passed(t_s, q, params["time_constant_s"], start)
 
 

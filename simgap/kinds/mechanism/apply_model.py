@@ -51,6 +51,17 @@ class Applied:
             series = series if hook.follow else hook.recover(series, params, where)
         return series
 
+    def read_off(self, t_s: FloatArray, q: FloatArray, rows: FloatArray) -> FloatArray:
+        """What all sensors make of true positions (w, k, j) at t_s (w, k), of which so many `rows` (w,) count."""
+        for hook, params, where in self.sensors:
+            if hook.follow:
+                q = hook.follow(t_s, q, None, params)
+                continue
+            q = q.copy()
+            for i, n in enumerate(rows):
+                q[i, :n] = hook.report(Series(t_s[i, :n], {"q": q[i, :n]}), params, where).columns["q"]
+        return q
+
     def followed(self, t_s: FloatArray, q: FloatArray, start: FloatArray) -> FloatArray:
         """What sensors with memory make of true positions (w, k, j) at t_s (w, k), from readings `start` (w, j)."""
         for hook, params, _ in self.sensors:

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from schemas.arrays import BoolArray, FloatArray, IntArray
-from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout, windows_from_starts
 from simgap.kinds.mechanism.apply_model import Applied, apply_terms
 from simgap.kinds.mechanism.logs import Log
@@ -22,6 +22,7 @@ from simgap.problem import Model
 _DIVERGED = 1e6  # noise levels
 _MOST_CACHED = 64  # maps of inputs and readings whose windows are kept
 _FEWEST_ROWS = 16  # of a piece of a trial
+_GAP = 1.5  # median intervals; a longer one lacks a row
 _WILD = 6.0  # noise levels by which a single row leaves its neighbours
 _NEIGHBOURS = 2  # rows to either side that a wild row leaves
 
@@ -34,7 +35,7 @@ class MechanismTrials:
     step_s     largest step of roll-outs.
     noise      (j,) of readings, rad or m.
     missing    (t, n, j) readings that are not compared, padded to the longest trial.
-    count      pieces into which each trial is cut.
+    count      pieces into which each trial, or part without a gap, is cut; fewer where they would get too short.
     """
 
     declared: MechanismModel
@@ -44,7 +45,7 @@ class MechanismTrials:
     noise: FloatArray
     missing: BoolArray
     count: int = 1
-    _windows: dict[tuple[object, ...], tuple[Windows, list[FloatArray]]] = field(
+    _windows: dict[tuple[object, ...], tuple[Windows, FloatArray]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
@@ -70,26 +71,42 @@ class MechanismTrials:
     def start_steps(self) -> FloatArray:
         """See `TrialSystem`."""
         scale = self.noise / np.sqrt(np.mean([log.smooth.q_noise**2 for log in self.logs], axis=0))
-        rows = [np.concatenate([self.noise, log.smooth.qd_noise * scale]) for log in self.logs]
-        return np.repeat(rows, self.count, axis=0)
+        return np.array([np.concatenate([self.noise, self.logs[i].smooth.qd_noise * scale]) for i, _ in self._cuts])
 
     @cached_property
-    def _rows(self) -> list[IntArray]:
-        """Rows of each piece, trial after trial; neighbours share a row."""
-        out: list[IntArray] = []
-        for log in self.logs:
-            last = len(log.series.t_s) - 1
-            ends = [round(i * last / self.count) for i in range(self.count + 1)]
-            out += [np.arange(a, b + 1) for a, b in zip(ends, ends[1:], strict=False)]
+    def _cuts(self) -> list[tuple[int, IntArray]]:
+        """Trial and rows of each piece, trial after trial; neighbours share a row."""
+        out: list[tuple[int, IntArray]] = []
+        for trial, log in enumerate(self.logs):
+            for first, last in self._unbroken(log.series.t_s):
+                count = self.count
+                while count > 1 and (last - first) / count < _FEWEST_ROWS:
+                    count //= 2
+                ends = [first + round(i * (last - first) / count) for i in range(count + 1)]
+                out += [(trial, np.arange(a, b + 1)) for a, b in pairwise(ends)]
         return out
+
+    def _unbroken(self, t_s: FloatArray) -> list[tuple[int, int]]:
+        """First and last rows of parts without a gap: what drove the joints at rows that were lost is unknown."""
+        if self.declared.drive.type == "none":
+            return [(0, len(t_s) - 1)]
+        spans = np.diff(t_s)
+        gaps = np.flatnonzero(spans > _GAP * np.median(spans))
+        parts = pairwise([-1, *gaps, len(t_s) - 1])
+        long_enough = [(a + 1, b) for a, b in parts if b - a >= _FEWEST_ROWS]
+        return long_enough or [(0, len(t_s) - 1)]
+
+    @property
+    def piece_starts(self) -> tuple[tuple[int, int], ...]:
+        """See `TrialSystem`."""
+        return tuple((trial, int(rows[0])) for trial, rows in self._cuts)
 
     @cached_property
     def _readings(self) -> FloatArray:
         """(pieces, n, j) NaN where nothing is compared."""
-        longest = max(len(rows) for rows in self._rows)
-        out = np.full((len(self._rows), longest, self.channel_count), np.nan)
-        for i, rows in enumerate(self._rows):
-            trial = i // self.count
+        longest = max(len(rows) for _, rows in self._cuts)
+        out = np.full((len(self._cuts), longest, self.channel_count), np.nan)
+        for i, (trial, rows) in enumerate(self._cuts):
             readings = self.logs[trial].series.columns["reading"][rows]
             out[i, : len(rows)] = np.where(self.missing[trial, rows], np.nan, readings)
         return out
@@ -97,25 +114,23 @@ class MechanismTrials:
     def errors(self, model: Model, starts: FloatArray) -> FloatArray:
         """See `TrialSystem`; n runs over rows and joints."""
         applied = apply_terms(self.declared, model)
-        windows, stamps = self._windows_of(applied)
+        windows, t_s = self._windows_of(applied)
         joints = self.channel_count
         offsets = starts * self.start_steps
         many = windows_from_starts(windows, windows.q0 + offsets[..., :joints], windows.qd0 + offsets[..., joints:])
         q, _ = rollout(applied.mechanism, many, applied.laws, largest_step_s=self.step_s)
-        q = q.reshape(len(starts), *self._readings.shape)
         if applied.sensors:
-            for i, stamp in enumerate(stamps):
-                for m in range(len(starts)):
-                    seen = applied.reported(Series(stamp, {"q": q[m, i, : len(stamp)]}))
-                    q[m, i, : len(stamp)] = seen.columns["q"]
+            lengths = np.array([len(rows) for _, rows in self._cuts])
+            q = applied.read_off(np.tile(t_s, (len(starts), 1)), q, np.tile(lengths, len(starts)))
+        q = q.reshape(len(starts), *self._readings.shape)
         unread = np.isnan(self._readings)
         errors = np.nan_to_num((q - np.where(unread, 0.0, self._readings)) / self.noise, nan=_DIVERGED)
-        return np.where(unread, np.nan, errors).reshape(len(starts), len(self._rows), -1)
+        return np.where(unread, np.nan, errors).reshape(len(starts), len(self._cuts), -1)
 
     def pieces(self, count: int) -> MechanismTrials | None:
         """See `TrialSystem`."""
-        shortest = min(len(log.series.t_s) for log in self.logs) / count
-        return replace(self, count=count) if shortest >= _FEWEST_ROWS else None
+        longest = max(len(log.series.t_s) for log in self.logs)
+        return replace(self, count=count) if longest / count >= _FEWEST_ROWS else None
 
     def with_noise_from(self, model: Model, starts: FloatArray) -> MechanismTrials:
         """See `TrialSystem`: the noise from second differences, which what moves smoothly hardly changes."""
@@ -124,23 +139,23 @@ class MechanismTrials:
         noise = 1.4826 * np.nanmedian(second, axis=(0, 1)) / np.sqrt(6.0)
         noise = np.maximum(noise, 1e-3 * self.noise)
         missing = self.missing.copy()
-        for i, rows in enumerate(self._rows):
+        for i, (trial, rows) in enumerate(self._cuts):
+            if len(rows) <= 2 * _NEIGHBOURS:
+                continue
             around = np.stack([errors[i, k : len(rows) - 2 * _NEIGHBOURS + k] for k in range(2 * _NEIGHBOURS + 1)])
             middle = slice(_NEIGHBOURS, len(rows) - _NEIGHBOURS)
             wild = np.abs(errors[i, middle] - np.nanmedian(around, axis=0)) > _WILD * noise
-            missing[i // self.count, rows[middle]] |= wild
+            missing[trial, rows[middle]] |= wild
         return replace(self, noise=noise, missing=missing)
 
-    def _windows_of(self, applied: Applied) -> tuple[Windows, list[FloatArray]]:
-        """One window per piece, and its true stamps; kept for models that map readings and inputs in the same way."""
+    def _windows_of(self, applied: Applied) -> tuple[Windows, FloatArray]:
+        """One window per piece, and true stamps (w, k); kept for models that map inputs and readings alike."""
         if applied.maps not in self._windows:
             if len(self._windows) >= _MOST_CACHED:
                 self._windows.clear()
-            cuts, stamps = [], []
-            for i, log in enumerate(self.logs):
-                series = applied.recovered(log.series)
-                for rows in self._rows[i * self.count : (i + 1) * self.count]:
-                    cuts.append((series, Cut(rows[None], np.arange(len(rows)))))
-                    stamps.append(series.t_s[rows])
-            self._windows[applied.maps] = windows_of(cuts, applied), stamps
+            recovered = [applied.recovered(log.series) for log in self.logs]
+            cuts = [(recovered[trial], Cut(rows[None], np.arange(len(rows)))) for trial, rows in self._cuts]
+            longest = self._readings.shape[1]
+            stamps = [np.pad(recovered[i].t_s[rows], (0, longest - len(rows)), mode="edge") for i, rows in self._cuts]
+            self._windows[applied.maps] = windows_of(cuts, applied), np.array(stamps)
         return self._windows[applied.maps]
