@@ -7,23 +7,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
-
-import numpy as np
 
 from schemas.arrays import FloatArray
 from schemas.gap import (
-    AppliedEffect,
-    Baseline,
     CandidateDecision,
     ConventionCheck,
     Estimate,
-    Gain,
     GapReport,
     Hypothesis,
     Localisation,
-    ModelExtension,
     Reason,
     Rival,
 )
@@ -34,25 +26,15 @@ from simgap.inference.candidate_fit import Map
 from simgap.inference.decision import Decided, SearchDecision
 from simgap.inference.fit import robust_scale
 from simgap.inference.forward_selection import MOST_EFFECTS, Selection, select
-from simgap.inference.losses import Comparison, compare, trial_losses
+from simgap.inference.losses import compare, trial_losses
 from simgap.inference.verdict import judge
-from simgap.inference.verdict_text import NAMED
 from simgap.problem import Model, Problem
 from simgap.recording.train_test_split import Trials
 from simgap.sanity.input_pairing import other_inputs_check, pairing_check
-from simgap.whole_trials.check import check_whole_trials
-from simgap.whole_trials.policy import POLICY
+from simgap.search_result import SearchResult, baseline_of, extension_of, gain_of, rms_in_noise_levels
+from simgap.whole_trials.find import find_on_whole_trials
 
 _NOISE_LOSS = 1.3  # mean loss, in typical errors, of noise that grows along a roll-out
-
-
-@dataclass(frozen=True)
-class SearchResult:
-    """The report, the extension, and the selection behind them (for pictures)."""
-
-    report: GapReport
-    extension: ModelExtension
-    selection: Selection
 
 
 def find_effects(
@@ -66,12 +48,16 @@ def find_effects(
     each: Map | None = None,
     quick: bool = False,
 ) -> SearchResult:
-    """The report, extension and selection of a problem. `measurement` is the content hash of its recording.
+    """The answer of a problem. `measurement` is the content hash of its recording.
 
     Deterministic; the caller sets the wall time, which is 0 here.
 
     `quick` leaves out the baseline with all effects at once.
     """
+    if problem.whole_trials(trials.train) is not None:
+        return find_on_whole_trials(
+            problem, trials, measurement=measurement, horizon_s=horizon_s, checks=checks, localisation=localisation
+        )
     others = other_inputs_check(problem, problem.search_view)
     mixed_up = others is not None and others.status == "suspect"
     selection = select(problem, trials, problem.search_view, each, 0 if mixed_up else MOST_EFFECTS)
@@ -83,26 +69,20 @@ def find_effects(
     timing_check = last.timing_check()
     checks = (*checks, *pairing_checks, *([timing_check] if timing_check else []))
     mispaired = any(check.status == "suspect" for check in pairing_checks)
-    short = _gain(last, selection, trials, "short_horizon", horizon_s)
-    gains = (short, _gain(last, selection, trials, "full_rollout", 0.0))
+    null, final = selection.null.model, selection.final.model
+    short = gain_of(last, null, final, trials, "short_horizon", horizon_s)
+    gains = (short, gain_of(last, null, final, trials, "full_rollout", 0.0))
     tails = _heavy_tail_share(last, selection, trials)
-    nuisances = problem.nuisances()
-    whole = check_whole_trials(last, selection.final.model, nuisances, trials.train, trials.test, POLICY)
-    judgement = judge(problem, selection, trials.train, gains, leftover, tails, mispaired, whole)
+    judgement = judge(problem, selection, trials.train, gains, leftover, tails, mispaired)
     verdict = judgement.verdict
     decisions = reported_decisions(selection.decisions, judgement.decisions)
-    named = [e for e in verdict.effects if e.confidence >= NAMED]
-    extension = ModelExtension(
-        measurement=measurement,
-        effects=tuple(AppliedEffect(name=e.name, where=e.where, parameters=e.parameters) for e in named),
-    )
     report = GapReport(
         measurement=measurement,
         n_train=len(trials.train),
         n_test=len(trials.test),
         wall_s=0.0,
         traps=checks,
-        baseline=_baseline(problem, trials),
+        baseline=baseline_of(problem, trials),
         localisation=localisation,
         hypotheses=_hypotheses(selection),
         verdict=verdict,
@@ -117,7 +97,8 @@ def find_effects(
         decisions=decisions,
         reason_counts=dict(sorted(Counter(d.reason for d in decisions).items())),
     )
-    return SearchResult(report, extension, selection)
+    accepted = tuple(a.candidate_fit.candidate for a in selection.accepted)
+    return SearchResult(report, extension_of(measurement, verdict.effects), final, accepted)
 
 
 def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
@@ -148,58 +129,11 @@ def _heavy_tail_share(problem: Problem, selection: Selection, trials: Trials) ->
     return max(0.0, 1.0 - _NOISE_LOSS / max(loss, 1e-12))
 
 
-def _baseline(problem: Problem, trials: Trials) -> Baseline:
-    """Root mean square error of the declared model per channel over all trials, with intervals over trials."""
-    residuals = problem.residuals((), (*trials.train, *trials.test), "short_horizon")
-    squares = np.array([np.nanmean(r**2, axis=0) for r in residuals])
-    draws = np.random.default_rng(0).integers(0, len(squares), (1000, len(squares)))
-    spread = np.quantile(np.sqrt(squares[draws].mean(axis=1)), [0.025, 0.975], axis=0)
-    metrics = {
-        f"{name}_rmse": Estimate(
-            value=float(np.sqrt(squares[:, c].mean())), unit="SI", ci95=(float(spread[0, c]), float(spread[1, c]))
-        )
-        for c, name in enumerate(problem.channels())
-    }
-    return Baseline(metrics=metrics)
-
-
-def _gain(
-    problem: Problem,
-    selection: Selection,
-    trials: Trials,
-    view: Literal["short_horizon", "full_rollout"],
-    horizon_s: float,
-) -> Gain:
-    """Held-out root mean square error, in noise levels, of the null refit and of the extended model."""
-    floor = problem.noise_floor(trials.test, view)
-    before, after = (
-        np.array([float(np.nanmean((r / floor) ** 2)) for r in problem.residuals(model, trials.test, view)])
-        for model in (selection.null.model, selection.final.model)
-    )
-    comparison: Comparison = compare(before, after)
-    was, now = float(np.sqrt(before.mean())), float(np.sqrt(after.mean()))
-    root = [1.0 - np.sqrt(max(1.0 - g, 0.0)) for g in (comparison.gain, *comparison.ci95)]
-    return Gain(
-        view=view,
-        horizon_s=horizon_s,
-        metric="rms error in noise levels",
-        heldout_before=was,
-        heldout_after=now,
-        reduction=float(root[0]),
-        ci95=(float(root[1]), float(root[2])),
-        noise_floor=1.0,
-        gap_closed=float(np.clip((was - now) / (was - 1.0), 0.0, 1.0)) if was > 1.0 else 1.0,
-    )
-
-
 def _ablation(problem: Problem, selection: Selection, trials: Trials) -> tuple[Rival, ...]:
     """Held-out rms error in noise levels: declared, null refit, each accepted effect added, noise."""
-    floor = problem.noise_floor(trials.test, "short_horizon")
 
     def step(name: str, model: Model) -> Rival:
-        errors = problem.residuals(model, trials.test, "short_horizon")
-        squares = [np.nanmean((e / floor) ** 2) for e in errors]
-        return Rival(name=name, heldout=float(np.sqrt(np.mean(squares))))
+        return Rival(name=name, heldout=rms_in_noise_levels(problem, model, trials.test))
 
     final = selection.final.model
     accepted = [a.key for a in selection.accepted]

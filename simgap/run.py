@@ -19,7 +19,7 @@ from schemas.diagnostics import Diagnostic, InvalidInput, Severity
 from schemas.gap import GapReport
 from simgap.case import Case, case_of, convention_checks_of
 from simgap.extension.extension import terms_of
-from simgap.find_gap import SearchResult, find_effects
+from simgap.find_gap import find_effects
 from simgap.inference.candidate_fit import CandidateFit, Map
 from simgap.problem import Candidate
 from simgap.recording.read import Measurement, read
@@ -31,6 +31,7 @@ from simgap.report.pictures.overlay import overlay
 from simgap.report.pictures.unexplained import unexplained
 from simgap.report.side_by_side import largest_improvement, side_by_side
 from simgap.result_store import ResultStore
+from simgap.search_result import SearchResult
 
 Work = Callable[[Candidate], CandidateFit]
 _MOST_REPLAYED = 12  # held-out trials among which the most telling one is looked for
@@ -141,7 +142,7 @@ def _target(measurement: Measurement) -> dict[str, str]:
 
 def _pictures(case: Case, result: SearchResult) -> dict[str, bytes]:
     """PNG files by name."""
-    problem, final = case.problem, result.selection.final.model
+    problem, final = case.problem, result.final_model
     events = problem.as_events()
     if events is not None:
         drawn = outcomes(events, case.trials.test, terms_of(result.extension))
@@ -158,8 +159,8 @@ def _pictures(case: Case, result: SearchResult) -> dict[str, bytes]:
         "ladder.png": ablation(result.report.ladder),
     }
     mechanism = problem.declared_mechanism()
-    if result.selection.accepted and mechanism is not None:
-        best = result.selection.accepted[0].candidate_fit.candidate
+    if result.accepted and mechanism is not None:
+        best = result.accepted[0]
         ids = (*case.trials.train, *case.trials.test)
         picture = unexplained(mechanism, case.measurement, final, best.effect.name, best.where, ids)
         drawn |= {"unexplained.png": picture} if picture else {}

@@ -97,7 +97,7 @@ def named_by_us(case: Case, trials: Trials) -> tuple[Model, str]:
     """The extended model, and what was said."""
     outcome = find_effects(case.problem, trials, measurement="", horizon_s=0.0, quick=True)
     verdict = outcome.report.verdict
-    return outcome.selection.final.model, f"{verdict.status}: {verdict.statement}"
+    return outcome.final_model, f"{verdict.status}: {verdict.statement}"
 
 
 def main() -> None:

@@ -34,7 +34,6 @@ from simgap.inference.intervals import (
 from simgap.inference.losses import Comparison
 from simgap.inference.verdict_text import NAMED, STRANGE, experiment, statement, status
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
-from simgap.whole_trials.check import WholeTrialCheck
 
 _DIRECT_RIVALS = 3  # further candidates that are compared by direct estimates
 LEFTOVER = 0.1  # what a model without names may still explain before we say that something else is there
@@ -56,17 +55,15 @@ def judge(
     leftover: Comparison,
     tails: float = 0.0,
     strange: bool = False,
-    whole: WholeTrialCheck | None = None,
 ) -> JudgedSelection:
     """The verdict over all accepted effects, with its `gains`, that of short horizons first.
 
     `leftover` is what a black box gains on top of them; `tails` is the share of its loss that lies in tails longer than
     noise has: what comes seldom, as play at reversals, no black box finds. Where the data are `strange`, nothing is
     sure: the inputs may be those of other motions. Where a single trial judges nothing is either: a gain without an
-    interval may be chance. Nor is anything where the `whole` trials are not explained.
+    interval may be chance.
     """
     unexplained = leftover.p_value < ALPHA and leftover.gain > LEFTOVER
-    unexplained = unexplained or (whole is not None and not whole.explains.kept)
     single = math.isinf(gains[0].ci95[0])
     nameless = max(leftover.gain if unexplained else 0.0, tails)
     mimics = [_mimics(problem, selection, accepted, trials) for accepted in selection.accepted]
@@ -83,7 +80,6 @@ def judge(
         evidence = _final_evidence(problem, selection, number, mimics, trials)
         drowned = [
             *_reliable(strange, single),
-            *([whole.explains] if whole is not None else []),
             *_large_enough(accepted, nameless),
             differs_from_none(evidence.term, evidence.sides),
             *(_is_no_remainder(candidate, other) for other in in_doubt),

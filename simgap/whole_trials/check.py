@@ -1,60 +1,49 @@
-"""The whole-trial check of a model: what it leaves of whole trials, with every start free, against the noise.
+"""The whole-trial check of models: what they leave of trials that taught them nothing but their starts.
 
 Short horizons forgive what builds up slowly: a wrong cause may explain them as well as the right one. Over a whole
-trial only a right model comes down to the noise. The model's parameters are fitted to the training trials once more;
-the test trials teach it nothing but their own starts.
+trial only a right model comes down to the noise.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.gap import Reason
 from simgap.inference.decision import Decision, criterion, decide
-from simgap.problem import Candidate, Model, Problem, Term
-from simgap.whole_trials.fit_model import ModelFit, fit_model
+from simgap.problem import Model, TrialSystem
+from simgap.whole_trials.fit_model import ModelFit
+from simgap.whole_trials.ladder import starts_on
 from simgap.whole_trials.policy import Policy
 
 
 @dataclass(frozen=True)
 class WholeTrialCheck:
-    """Mean square errors of test trials in noise levels, less one, of the null and of the final model.
+    """Mean square errors (t,) of test trials under the null and under the final model, in noise levels.
 
     explains   kept where the final model comes down to the noise.
     """
 
-    null_excess: float
-    final_excess: float
+    null: FloatArray
+    final: FloatArray
     explains: Decision
 
 
-def check_whole_trials(
-    problem: Problem,
-    model: Model,
-    nuisances: Sequence[Candidate],
-    train: Sequence[str],
-    test: Sequence[str],
-    policy: Policy,
-) -> WholeTrialCheck | None:
-    """The check of a final model; None for problems without whole trials."""
-    null = tuple(Term(c, dict(c.start)) for c in nuisances)
-    excesses = [_excess(problem, m, train, test, policy) for m in ((null, model) if model != null else (null,))]
-    if any(e is None for e in excesses):
-        return None
-    before, after = float(excesses[0] or 0.0), float(excesses[-1] or 0.0)
-    bound = policy.noise_excess + policy.explained * max(before, 0.0)
-    test_of_noise = criterion("mean square error of whole test trials beyond the noise", after, "<=", bound)
-    return WholeTrialCheck(before, after, decide([(Reason.LESS_THAN_UNEXPLAINED, test_of_noise)]))
+def check_whole_trials(system: TrialSystem, null: Model, final: Model, policy: Policy) -> WholeTrialCheck:
+    """The check of fitted models on a system of test trials, with the noise that the final model's errors show."""
+    after = starts_on(system, final, policy)
+    system = system.with_noise_from(final, after.starts)
+    before, after = (starts_on(system, model, policy) for model in (null, final))
+    # What all are to tell, none may drown: beyond this many noise levels a trial is off, and how far is no matter.
+    most = policy.largest_excess
+    excess_before, excess_after = (float(np.minimum(_mean_squares(f) - 1.0, most).mean()) for f in (before, after))
+    bound = policy.noise_excess + policy.explained * max(excess_before, 0.0)
+    test_of_noise = criterion("mean square error of whole test trials beyond the noise", excess_after, "<=", bound)
+    explains = decide([(Reason.LESS_THAN_UNEXPLAINED, test_of_noise)])
+    return WholeTrialCheck(_mean_squares(before), _mean_squares(after), explains)
 
 
-def _excess(problem: Problem, model: Model, train: Sequence[str], test: Sequence[str], policy: Policy) -> float | None:
-    system, judged = problem.whole_trials(train), problem.whole_trials(test)
-    if system is None or judged is None:
-        return None
-    starts = fit_model(system, model, np.zeros_like(system.start_steps), policy, fixed=True).starts
-    taught = fit_model(system, model, starts, policy)
-    fit: ModelFit = fit_model(judged, taught.model, np.zeros_like(judged.start_steps), policy, fixed=True)
-    return fit.excess
+def _mean_squares(fit: ModelFit) -> FloatArray:
+    return fit.deviance / fit.rows

@@ -138,7 +138,7 @@ class Linearisation:
         weighted = slopes * np.sqrt(self.weight)[:, None, None]
         return replace(self, parameter_slopes=np.concatenate([self.parameter_slopes, weighted], axis=2))
 
-    def only(self, chosen: FloatArray) -> Linearisation:
+    def only(self, chosen: BoolArray) -> Linearisation:
         """With the chosen parameters alone."""
         return replace(self, parameter_slopes=self.parameter_slopes[..., chosen])
 
@@ -154,7 +154,7 @@ class Linearisation:
         At, Bt = np.swapaxes(A, 1, 2), np.swapaxes(B, 1, 2)
         starts = Bt @ B
         held = starts * (1.0 + damping * np.eye(B.shape[2])) + _START_PRIOR * np.eye(B.shape[2])
-        return _Blocks(At @ A, At @ B, np.linalg.inv(held), _product(At, e), _product(Bt, e))
+        return _Blocks(At @ A, At @ B, np.asarray(np.linalg.inv(held), dtype=float), _product(At, e), _product(Bt, e))
 
     def step(self, damping: float, prior: FloatArray, prior_gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Damped steps of the parameters (p,), in shares of their ranges, and the starts that follow any such step.
@@ -205,7 +205,7 @@ def clipped(errors: FloatArray) -> FloatArray:
 
 def deviances(errors: FloatArray) -> FloatArray:
     """(t,) of errors (t, n)."""
-    return np.nansum(errors**2, axis=1)
+    return np.asarray(np.nansum(errors**2, axis=1), dtype=float)
 
 
 def losses(deviance: FloatArray, rows: FloatArray) -> FloatArray:
@@ -238,7 +238,8 @@ def linearise(system: TrialSystem, model: Model, starts: FloatArray, fixed: bool
     root = np.sqrt(weight)[:, None]
     return Linearisation(
         np.where(measured, plain, 0.0) * root,
-        *(np.where(measured[:, :, None], x, 0.0) * root[:, :, None] for x in (slopes, start_slopes)),
+        np.where(measured[:, :, None], slopes, 0.0) * root[:, :, None],
+        np.where(measured[:, :, None], start_slopes, 0.0) * root[:, :, None],
         weight,
     )
 

@@ -45,6 +45,19 @@ def _rungs(system: TrialSystem, policy: Policy) -> tuple[TrialSystem, ...]:
     return (*(s for s in shorter if s is not None), system)
 
 
+def starts_on(system: TrialSystem, model: Model, policy: Policy) -> ModelFit:
+    """A model of given values on whole trials, its starts fitted up a ladder."""
+    starts: FloatArray | None = None
+    places: dict[tuple[int, int], FloatArray] = {}
+    fit: ModelFit | None = None
+    for rung in _rungs(system, policy):
+        starts = np.zeros_like(rung.start_steps) if fit is None else np.array([places[p] for p in rung.piece_starts])
+        fit = fit_model(rung, model, starts, policy, fixed=True)
+        places = dict(zip(rung.piece_starts, fit.starts, strict=True))
+    assert fit is not None
+    return fit
+
+
 def climb(ladder: Ladder, rung: int, model: Model, starts: FloatArray, policy: Policy) -> ModelFit:
     """A model fitted on a rung, from these values and starts, then on every longer one; its state on the last."""
     return _climbed(ladder.rungs[rung:], model, starts, policy)[-1]

@@ -20,6 +20,9 @@ class Policy:
                       and 3: 1 and 0.2 %), wrong ones more (cases 7 and 15: 45 and 4 %).
     noise_excess      excess of the mean square error over that of noise that counts as none: the noise of 20 trials
                       is itself known to some per cent (chi-squared, 500 rows each).
+    largest_excess    excess of a trial beyond which it counts no more.
+    least_share       share of the null model's loss per row that an effect must take off: what a law lacks shows beside
+                      a large effect, not beside a small one.
     most_effects      effects of one model; three causes at once are the most that the suite asks for.
     beam              models that the next step extends.
     full_fits         candidates per extended model that are fitted to the end, best score first.
@@ -36,6 +39,8 @@ class Policy:
     least_lead: float = 0.005
     explained: float = 0.02
     noise_excess: float = 0.1
+    largest_excess: float = 1e4
+    least_share: float = 0.02
     most_effects: int = 3
     beam: int = 2
     full_fits: int = 8

@@ -21,7 +21,7 @@ from simgap.whole_trials.ladder import Ladder, climb
 from simgap.whole_trials.policy import Policy
 from simgap.whole_trials.score_test import Score, scores
 
-_LEAST_SCORE = 8.0  # loss below which a linear step is noise: 99.5 % of chi-squared with one degree
+LEAST_SCORE = 8.0  # loss below which a linear step is noise: 99.5 % of chi-squared with one degree
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def _grow(ladder: Ladder, parents: Sequence[Parent], candidates: Sequence[Candid
     whole = ladder.whole
     polished = [fit_model(whole, f.model, f.starts, policy) for f in by_loss[: policy.polished]]
     ordered = tuple(sorted(map(_fitted, (*polished, *by_loss[policy.polished :])), key=lambda m: m.order))
-    return Growth(ordered, first, _enters(parents[0].model, ordered[0], len(candidates), policy))
+    return Growth(ordered, first, _enters(ladder.nulls[-1], parents[0].model, ordered[0], len(candidates), policy))
 
 
 def _promising(by_rung: Sequence[Sequence[Score]], policy: Policy) -> list[Candidate]:
@@ -131,7 +131,7 @@ def _promising(by_rung: Sequence[Sequence[Score]], policy: Policy) -> list[Candi
     chosen: dict[str, Candidate] = {}
     lists = []
     for ranked in by_rung:
-        enough = max(_LEAST_SCORE, policy.promising * ranked[0].reduction) if ranked else 0.0
+        enough = max(LEAST_SCORE, policy.promising * ranked[0].reduction) if ranked else 0.0
         lists.append([s.candidate for s in ranked if s.reduction >= enough])
     for place in range(max((len(names) for names in lists), default=0)):
         for names in lists:
@@ -155,14 +155,15 @@ def _extended(
     return min(fits, key=lambda f: float(f.losses.sum()))
 
 
-def _enters(before: FittedModel, after: FittedModel, candidates: int, policy: Policy) -> Decision:
+def _enters(null: ModelFit, before: FittedModel, after: FittedModel, candidates: int, policy: Policy) -> Decision:
     """Kept if the larger model is significantly and noticeably better on trials that taught it nothing."""
     degrees = len(after.fit.effects[-1].values)
     p_value = p_of_no_better(before.held_out, after.held_out, after.fit.dispersion, degrees)
     gain = float((before.held_out - after.held_out).sum() / after.fit.rows.sum())
+    least = max(policy.least_gain, policy.least_share * float(null.losses.sum() / null.rows.sum()))
     return decide(
         [
-            (Reason.TOO_SMALL, criterion("held-out loss per row that it takes off", gain, ">", policy.least_gain)),
+            (Reason.TOO_SMALL, criterion("held-out loss per row that it takes off", gain, ">", least)),
             (
                 Reason.NOT_SIGNIFICANT,
                 criterion("adjusted p-value", min(1.0, candidates * p_value), "<", policy.alpha),

@@ -91,7 +91,7 @@ class MechanismTrials:
         if self.declared.drive.type == "none":
             return [(0, len(t_s) - 1)]
         spans = np.diff(t_s)
-        gaps = np.flatnonzero(spans > _GAP * np.median(spans))
+        gaps: list[int] = np.flatnonzero(spans > _GAP * np.median(spans)).tolist()
         parts = pairwise([-1, *gaps, len(t_s) - 1])
         long_enough = [(a + 1, b) for a, b in parts if b - a >= _FEWEST_ROWS]
         return long_enough or [(0, len(t_s) - 1)]

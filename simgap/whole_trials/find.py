@@ -1,0 +1,177 @@
+"""The answer of a problem with whole trials: search, check on test trials, verdict, report.
+
+Read in this order: `ladder` (horizons), `search_models`, `confidence_set`, `check`, `judge`.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from schemas.gap import (
+    CandidateDecision,
+    ConventionCheck,
+    Estimate,
+    GapReport,
+    Hypothesis,
+    Localisation,
+    Reason,
+    Rival,
+    Step,
+)
+from simgap.inference.decision import Decision, criterion, decide
+from simgap.inference.losses import compare
+from simgap.problem import Candidate, Model, Problem
+from simgap.recording.train_test_split import Trials
+from simgap.sanity.input_pairing import other_inputs_check, pairing_check
+from simgap.search_result import SearchResult, baseline_of, extension_of, gain_between, gain_of, rms_in_noise_levels
+from simgap.whole_trials.check import check_whole_trials
+from simgap.whole_trials.confidence_set import ConfidenceSet, confidence_set
+from simgap.whole_trials.judge import Judgement, judge
+from simgap.whole_trials.ladder import ladder_of
+from simgap.whole_trials.policy import POLICY, Policy
+from simgap.whole_trials.search_models import LEAST_SCORE, ModelSearch, search_models
+
+
+def find_on_whole_trials(
+    problem: Problem,
+    trials: Trials,
+    *,
+    measurement: str,
+    horizon_s: float,
+    checks: tuple[ConventionCheck, ...] = (),
+    localisation: tuple[Localisation, ...] = (),
+    policy: Policy = POLICY,
+) -> SearchResult:
+    """See `simgap.find_gap.find_effects`; for problems that have whole trials."""
+    others = other_inputs_check(problem, problem.search_view)
+    mixed_up = others is not None and others.status == "suspect"
+    problem = problem.with_initial_states_at(())
+    taught, judged = problem.whole_trials(trials.train), problem.whole_trials(trials.test)
+    assert taught is not None
+    assert judged is not None
+    ladder = ladder_of(taught, problem.nuisances(), policy)
+    search = search_models(ladder, problem.candidates(), policy, 0 if mixed_up else None)
+    models = confidence_set(search, policy)
+    null, final = search.null.fit.model, search.chosen.fit.model
+    check = check_whole_trials(judged, null, final, policy)
+    pairing = pairing_check(problem, final, trials.train, problem.search_view)
+    pairing_checks = [c for c in (others, pairing) if c is not None]
+    timing = problem.timing_check()
+    short = gain_of(problem, null, final, trials, "short_horizon", horizon_s)
+    gains = (short, gain_between(check.null, check.final, "full_rollout", 0.0))
+    strange = any(c.status == "suspect" for c in pairing_checks)
+    judgement = judge(problem, models, check, gains, trials.train, strange, policy)
+    decisions = _decisions(search, models, judgement)
+    report = GapReport(
+        measurement=measurement,
+        n_train=len(trials.train),
+        n_test=len(trials.test),
+        wall_s=0.0,
+        traps=(*checks, *pairing_checks, *([timing] if timing else [])),
+        baseline=baseline_of(problem, trials),
+        localisation=localisation,
+        hypotheses=_hypotheses(search, judgement),
+        verdict=judgement.verdict,
+        gains=gains,
+        gain=short,
+        baselines=(Rival(name="null_refit", heldout=float(np.sqrt(check.null.mean()))),),
+        ladder=_ablation(problem, search, trials),
+        decisions=decisions,
+        reason_counts=dict(sorted(Counter(d.reason for d in decisions).items())),
+    )
+    accepted = tuple(t.candidate for t in search.chosen.fit.effects)
+    return SearchResult(report, extension_of(measurement, judgement.verdict.effects), final, accepted)
+
+
+def _ablation(problem: Problem, search: ModelSearch, trials: Trials) -> tuple[Rival, ...]:
+    """Held-out rms error in noise levels: declared, null refit, each effect of the chosen model added, noise."""
+    final, effects = search.chosen.fit.model, search.chosen.fit.effects
+    steps: list[tuple[str, Model]] = [("declared", ()), ("null_refit", search.null.fit.model)]
+    for k, term in enumerate(effects, 1):
+        without = {t.candidate.key for t in effects[k:]}
+        model = tuple(t for t in final if t.candidate.key not in without)
+        steps.append((f"{term.candidate.effect.name} at {term.candidate.where}", model))
+    rows = [Rival(name=name, heldout=rms_in_noise_levels(problem, model, trials.test)) for name, model in steps]
+    return (*rows, Rival(name="noise_floor", heldout=1.0))
+
+
+def _decisions(search: ModelSearch, models: ConfidenceSet, judgement: Judgement) -> tuple[CandidateDecision, ...]:
+    """Of each step on candidates: scores too small to fit, the best of each size, rejected models, the verdict."""
+    out: list[CandidateDecision] = []
+
+    def record(number: int, step: Step, candidate: Candidate, decision: Decision) -> None:
+        out.append(
+            CandidateDecision(
+                round_number=number,
+                step=step,
+                name=candidate.effect.name,
+                where=candidate.where,
+                kept=decision.kept,
+                reason=decision.reason,
+                beside=decision.beside,
+                criteria=decision.criteria,
+            )
+        )
+
+    for number, growth in enumerate(search.growths):
+        for score in growth.scores:
+            test = criterion("loss that a linear step takes off whole trials", score.reduction, ">=", LEAST_SCORE)
+            decision = decide([(Reason.NOT_PROMISING, test)])
+            if not decision.kept:
+                record(number, "screen", score.candidate, decision)
+        record(number, "confirm", growth.models[0].fit.effects[-1].candidate, growth.entered)
+    for model, decision in models.decisions:
+        for term in model.fit.effects:
+            if term.candidate.key not in models.models[0].fit.keys:
+                record(max(search.size - 1, 0), "compare", term.candidate, decision)
+    for candidate, decision in judgement.decisions:
+        record(max(search.size - 1, 0), "judge", candidate, decision)
+    return tuple(out)
+
+
+def _hypotheses(search: ModelSearch, judgement: Judgement) -> tuple[Hypothesis, ...]:
+    """The effect that each fitted model adds to the best of the size before, best first, size by size."""
+    rows: list[Hypothesis] = []
+    before = search.null
+    for growth in search.growths:
+        for model in growth.models:
+            added: Sequence[Candidate] = [
+                t.candidate for t in model.fit.effects if t.candidate.key not in before.fit.keys
+            ]
+            if len(added) != 1:
+                continue
+            candidate = added[0]
+            comparison = compare(before.fit.deviance / before.fit.rows, model.fit.deviance / model.fit.rows)
+            penalty = len(candidate.null) * float(np.log(model.fit.rows.sum()))
+            estimate, agreement = judgement.direct.get(candidate.key, (None, None))
+            units = {q.name: q.unit for q in candidate.effect.parameters}
+            rows.append(
+                Hypothesis(
+                    name=candidate.effect.name,
+                    where=candidate.where,
+                    heldout_gain=comparison.gain,
+                    ci95=comparison.ci95,
+                    p_adjusted=growth.entered.criteria[-1].value
+                    if model is growth.models[0] and len(growth.entered.criteria) > 1
+                    else 1.0,
+                    delta_bic=float(before.fit.losses.sum() - model.fit.losses.sum()) - penalty,
+                    direct={
+                        n: Estimate(
+                            value=v,
+                            unit=units[n],
+                            ci95=(v - 1.96 * estimate.standard_errors[n], v + 1.96 * estimate.standard_errors[n]),
+                        )
+                        for n, v in estimate.values.items()
+                    }
+                    if estimate
+                    else {},
+                    direct_agrees=None if estimate is None or agreement is None else agreement.kept,
+                )
+            )
+        if not growth.entered.kept:
+            break
+        before = growth.models[0]
+    return tuple(rows)

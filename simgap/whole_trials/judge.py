@@ -1,0 +1,154 @@
+"""The verdict from a search on whole trials: an effect is sure where every reason for doubt is absent.
+
+An effect is sure if whole test trials come down to the noise, every model of the confidence set has it, its interval
+excludes none, the inputs belong to the motions, and the direct route, which simulates nothing, agrees on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from schemas.gap import AmbiguousGroup, Gain, NamedEffect, Reason, Verdict
+from simgap.inference.agreement import NO_DIRECT_ESTIMATE, agree, with_fixed_shape
+from simgap.inference.decision import Decided, Decision, all_of, criterion, decide, place_name
+from simgap.inference.direct_comparison import is_better
+from simgap.inference.intervals import Sides, differs_from_none, parameters, symmetric, threshold_excess, wider
+from simgap.inference.verdict_text import NAMED, STRANGE, statement, status
+from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
+from simgap.whole_trials.check import WholeTrialCheck
+from simgap.whole_trials.confidence_set import ConfidenceSet
+from simgap.whole_trials.fit_model import half_widths
+from simgap.whole_trials.policy import Policy
+
+_NORMAL_95 = 1.96
+_DIRECT_RIVALS = 3  # candidates of rejected models that are compared by direct estimates, too
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A verdict with the decisions behind it: per effect that it is named, or each reason for doubt."""
+
+    verdict: Verdict
+    decisions: tuple[Decided, ...]
+    direct: dict[str, tuple[DirectEstimate | None, Decision]]
+
+
+def judge(
+    problem: Problem,
+    models: ConfidenceSet,
+    check: WholeTrialCheck,
+    gains: Sequence[Gain],
+    trials: Sequence[str],
+    strange: bool,
+    policy: Policy,
+) -> Judgement:
+    """The verdict on the chosen model. Where the data are `strange`, nothing is sure: inputs may be another trial's."""
+    chosen = models.models[0].fit
+    widths = half_widths(chosen, _NORMAL_95)
+    named: list[NamedEffect] = []
+    groups: list[AmbiguousGroup] = []
+    decisions: list[Decided] = []
+    direct: dict[str, tuple[DirectEstimate | None, Decision]] = {}
+    for term in chosen.effects:
+        own, others = widths[term.candidate.key], tuple(t for t in chosen.model if t is not term)
+        alternatives = models.alternatives(term)
+        estimate, agreement = _direct_agreement(problem, term, own, others, trials)
+        direct[term.candidate.key] = estimate, agreement
+        sides: Sides = wider(symmetric(own), symmetric(threshold_excess(term)))
+        every = [
+            decide([(Reason.INPUTS_OF_OTHERS, criterion("failed checks of input pairing", int(strange), "<=", 0))]),
+            check.explains,
+            differs_from_none(term, sides),
+            *(_inseparable(a) for a in alternatives),
+            agreement,
+            *_preferred(problem, term, models, others, estimate, trials),
+        ]
+        doubts = [d for d in every if not d.kept]
+        named.append(
+            NamedEffect(
+                name=term.candidate.effect.name,
+                where=term.candidate.where,
+                confidence=_confidence(doubts, estimate, policy),
+                routes={"heldout": True, "direct": agreement.kept},
+                parameters=parameters(term, sides),
+            )
+        )
+        if not doubts:
+            decisions.append((term.candidate, replace(all_of(every), reason=Reason.NAMED)))
+            continue
+        decisions += [(term.candidate, doubt) for doubt in doubts]
+        if check.explains.kept:
+            names = tuple(dict.fromkeys([term.candidate.effect.name, *(a.effect.name for a in alternatives)]))
+            groups.append(AmbiguousGroup(effects=names, experiment=experiment_for(term.candidate, alternatives)))
+    certain = any(e.confidence >= NAMED for e in named)
+    unexplained = not check.explains.kept
+    verdict = Verdict(
+        status="outside_model_class" if unexplained or strange else status(certain, bool(groups), False),
+        effects=tuple(named),
+        ambiguous_groups=tuple(groups),
+        statement=STRANGE if strange else statement(gains, named, groups, unexplained),
+    )
+    return Judgement(verdict, tuple(decisions), direct)
+
+
+def experiment_for(candidate: Candidate, alternatives: Sequence[Candidate]) -> str:
+    """The library's experiments that distinguish an effect from its alternatives, or from its usual confusables."""
+    names = {a.effect.name for a in alternatives}
+    own = [c.experiment for c in candidate.effect.confusables if c.effect in names]
+    theirs = [c.experiment for a in alternatives for c in a.effect.confusables if c.effect == candidate.effect.name]
+    usual = [c.experiment for c in candidate.effect.confusables[:1]]
+    return "; ".join(dict.fromkeys(own + theirs or usual)) or "more trials with larger and smaller motion"
+
+
+def _inseparable(other: Candidate) -> Decision:
+    test = criterion("models of the confidence set without the effect", 1, "<=", 0)
+    return Decision(False, Reason.INSEPARABLE_FROM, (test,), place_name(other))
+
+
+def _direct_agreement(
+    problem: Problem, term: Term, widths: dict[str, float], others: Model, trials: Sequence[str]
+) -> tuple[DirectEstimate | None, Decision]:
+    """The direct estimate beside the other effects, and whether it agrees; strengths are compared at one shape."""
+    estimate = problem.direct(term.candidate, others, trials)
+    if estimate is None:
+        return None, NO_DIRECT_ESTIMATE
+    agreement = agree(term, widths, estimate)
+    if agreement.kept or not term.candidate.shapes:
+        return estimate, agreement
+    pinned = problem.direct(with_fixed_shape(term), others, trials)
+    return estimate, agreement if pinned is None else agree(term, widths, pinned)
+
+
+def _preferred(
+    problem: Problem,
+    term: Term,
+    models: ConfidenceSet,
+    others: Model,
+    own: DirectEstimate | None,
+    trials: Sequence[str],
+) -> list[Decision]:
+    """Refusals by candidates of rejected models that the direct route prefers in the place of a term."""
+    if own is None or own.held_out is None:
+        return []
+    rest = models.models[0].fit.keys - {term.candidate.key}
+    rivals = [
+        next(t.candidate for t in model.fit.effects if t.candidate.key not in rest)
+        for model, _ in models.decisions
+        if rest < model.fit.keys and term.candidate.key not in model.fit.keys
+    ]
+    out = []
+    for rival in rivals[:_DIRECT_RIVALS]:
+        estimate = problem.direct(rival, others, trials)
+        better = None if estimate is None else is_better(estimate, own)
+        if better is not None and better.kept:
+            test = criterion("candidates that the direct route prefers", 1, "<=", 0)
+            out.append(Decision(False, Reason.DIRECT_PREFERS, (test,), place_name(rival)))
+    return out
+
+
+def _confidence(doubts: Sequence[Decision], direct: DirectEstimate | None, policy: Policy) -> float:
+    """At least `NAMED` without a doubt, more the clearer the direct route is; one half and less with doubts."""
+    if doubts or direct is None:
+        return 0.5 / max(len(doubts), 1)
+    return NAMED + (1.0 - NAMED) * (1.0 - policy.alpha) * (1.0 - min(1.0, direct.p_value))
