@@ -30,6 +30,7 @@ class Candidate:
     max_excursion       largest motion beyond a threshold, by parameter; the force law out there is a guess.
     direct_half_width   half width of the direct estimate that set the bounds; used when a fit ends on a bound.
     step      share of a range over which slopes are differenced: larger where contacts make roll-outs jump.
+    variant   where one effect may lie at several points of a drive, which of them: values that bounds fix.
     """
 
     effect: Effect
@@ -43,11 +44,13 @@ class Candidate:
     max_excursion: dict[str, float] = field(default_factory=dict)
     direct_half_width: dict[str, float] = field(default_factory=dict)
     step: float = 2e-3
+    variant: str = ""
 
     @property
     def key(self) -> str:
-        """Name and place as one word; the keys of nuisances and of named effects differ."""
-        return f"{'nuisance:' if self.nuisance else ''}{self.effect.name}@{self.where}"
+        """Name, variant and place as one word; the keys of nuisances and of named effects differ."""
+        variant = f"[{self.variant}]" if self.variant else ""
+        return f"{'nuisance:' if self.nuisance else ''}{self.effect.name}{variant}@{self.where}"
 
     @property
     def strengths(self) -> tuple[str, ...]:

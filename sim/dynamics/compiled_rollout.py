@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from sim.dynamics.mechanism import Law, MechanismModel, Windows
 
 MOST_LAWS = 8  # that one roll-out may hold: the kernel is compiled for a fixed number of pointers
-_MOST_VALUES = 6  # parameters or remembered numbers of a law
+_MOST_VALUES, _MOST_MEMORY = 8, 64  # parameters and remembered numbers of a law
 _SWEEPS = 12  # of friction impulses over the joints, as in `joint_dynamics`
 _LARGEST_RATE = 1e4  # as in `mechanism`
 _NONE, _EFFORT, _PD = 0, 1, 2
@@ -65,7 +65,7 @@ def rollout(
     joints = len(model.tree)
     drive = model.drive
     none = np.zeros((0, 0, 0))
-    values, memory = np.zeros((MOST_LAWS, _MOST_VALUES)), np.zeros((MOST_LAWS, _MOST_VALUES))
+    values, memory = np.zeros((MOST_LAWS, _MOST_VALUES)), np.zeros((MOST_LAWS, _MOST_MEMORY))
     kinds, places = np.zeros(MOST_LAWS, dtype=np.int64), np.zeros(MOST_LAWS, dtype=np.int64)
     for i, law in enumerate(laws):
         hook = law.hook

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from schemas.measurement import Kind
-from sim.dynamics.hooks import Hook
+from sim.dynamics.hooks import EffortMap, Hook
 from sim.effects.candidacy import ImpactCandidacy, MechanismCandidacy, PushCandidacy, TossCandidacy
 
 PackageField = Literal["mass_kg", "centre_of_mass_m", "inertia_kgm2", "friction", "restitution"]
@@ -28,6 +28,9 @@ class Parameter:
     high: float
     null: float
     is_shape: bool = False
+
+
+IN_LOOP = Parameter("in_loop", "1", 0.0, 1.0, 0.0, is_shape=True)  # 0: on the way to the controller, 1: after it
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,7 @@ class Effect:
     reveals      what in the data shows it.
     mechanism, free_body, impact, push   how it is searched for in each of `kinds`.
     plot_against   the state over which a report draws the effort that it explains.
+    in_loop      its hook where parameter `IN_LOOP` is 1: the effect lies inside the loop of a drive with feedback.
     """
 
     name: str
@@ -86,6 +90,11 @@ class Effect:
     push: PushCandidacy = field(default_factory=PushCandidacy)
     plot_against: Literal["speed", "position", "input"] = "speed"
     export: Export = field(default_factory=Export)
+    in_loop: EffortMap | None = None
+
+    def hook_at(self, values: Mapping[str, float]) -> Hook:
+        """The hook for these parameter values."""
+        return self.in_loop if self.in_loop is not None and values.get(IN_LOOP.name, 0.0) > 0.5 else self.hook
 
     @property
     def family(self) -> str:

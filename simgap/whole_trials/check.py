@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Reason
+from schemas.gap import Criterion, Reason
 from simgap.inference.decision import Decision, criterion, decide
 from simgap.problem import Model, TrialSystem
 from simgap.whole_trials.fit_model import ModelFit
@@ -31,18 +31,30 @@ class WholeTrialCheck:
     explains: Decision
 
 
-def check_whole_trials(system: TrialSystem, null: Model, final: Model, policy: Policy) -> WholeTrialCheck:
-    """The check of fitted models on a system of test trials, with the noise that the final model's errors show."""
+def check_whole_trials(
+    system: TrialSystem, null: Model, final: Model, taught: tuple[ModelFit, ModelFit], policy: Policy
+) -> WholeTrialCheck:
+    """The check of fitted models on test trials, with the noise that the final model's errors show.
+
+    Its fits `taught` (null and final) must explain the trials that taught them, too: a cause may act in few trials.
+    """
     after = starts_on(system, final, policy)
     system = system.with_noise_from(final, after.starts)
     before, after = (starts_on(system, model, policy) for model in (null, final))
-    # What all are to tell, none may drown: beyond this many noise levels a trial is off, and how far is no matter.
-    most = policy.largest_excess
-    excess_before, excess_after = (float(np.minimum(_mean_squares(f) - 1.0, most).mean()) for f in (before, after))
-    bound = policy.noise_excess + policy.explained * max(excess_before, 0.0)
-    test_of_noise = criterion("mean square error of whole test trials beyond the noise", excess_after, "<=", bound)
-    explains = decide([(Reason.LESS_THAN_UNEXPLAINED, test_of_noise)])
+    explains = decide(
+        [
+            (Reason.LESS_THAN_UNEXPLAINED, _comes_down("test", before, after, policy)),
+            (Reason.LESS_THAN_UNEXPLAINED, _comes_down("training", *taught, policy)),
+        ]
+    )
     return WholeTrialCheck(_mean_squares(before), _mean_squares(after), explains)
+
+
+def _comes_down(which: str, before: ModelFit, after: ModelFit, policy: Policy) -> Criterion:
+    """Whether the excess over noise does, of all of these trials together and but for a share of that before."""
+    was, now = (float(np.minimum(_mean_squares(f) - 1.0, policy.largest_excess).mean()) for f in (before, after))
+    bound = policy.noise_excess + policy.explained * max(was, 0.0)
+    return criterion(f"mean square error of whole {which} trials beyond the noise", now, "<=", bound)
 
 
 def _mean_squares(fit: ModelFit) -> FloatArray:

@@ -56,7 +56,7 @@ def find_on_whole_trials(
     search = search_models(ladder, problem.candidates(), policy, 0 if mixed_up else None)
     models = confidence_set(search, policy)
     null, final = search.null.fit.model, search.chosen.fit.model
-    check = check_whole_trials(judged, null, final, policy)
+    check = check_whole_trials(judged, null, final, (search.null.fit, search.chosen.fit), policy)
     pairing = pairing_check(problem, final, trials.train, problem.search_view)
     pairing_checks = [c for c in (others, pairing) if c is not None]
     timing = problem.timing_check()

@@ -142,6 +142,20 @@ class Linearisation:
         """With the chosen parameters alone."""
         return replace(self, parameter_slopes=self.parameter_slopes[..., chosen])
 
+    def with_errors(self, errors: FloatArray) -> Linearisation:
+        """With other errors (t, n), without weights; NaN where nothing was measured."""
+        plain = np.where(np.isfinite(errors), errors, 0.0)
+        return replace(self, errors=plain * np.sqrt(self.weight)[:, None])
+
+    def least_loss(self, prior: FloatArray) -> float:
+        """Weighted squares that are left after a linear step of parameters, of this prior precision, and starts."""
+        blocks = self._blocks(0.0)
+        information, gradients = self.reduced()
+        gradient = gradients.sum(axis=0)
+        left = float((self.errors**2).sum())
+        left -= float(np.einsum("ts,tsr,tr->", blocks.start_gradient, blocks.inverse, blocks.start_gradient))
+        return left - float(gradient @ solve_safely(information.sum(axis=0) + np.diag(prior), gradient))
+
     def reduced(self) -> tuple[FloatArray, FloatArray]:
         """Information (t, p, p) and gradients (t, p) of half the deviance per trial, starts eliminated."""
         blocks = self._blocks(0.0)
@@ -195,7 +209,7 @@ def solve_safely(matrix: FloatArray, right: FloatArray) -> FloatArray:
     if not len(right):
         return right
     eased = matrix + _SINGULAR * max(float(np.trace(matrix)) / len(right), 1e-300) * np.eye(len(right))
-    return np.asarray(np.linalg.lstsq(eased, right, rcond=1e-12)[0])
+    return np.asarray(np.linalg.lstsq(eased, right, rcond=1e-12)[0], dtype=float)
 
 
 def clipped(errors: FloatArray) -> FloatArray:
@@ -205,7 +219,8 @@ def clipped(errors: FloatArray) -> FloatArray:
 
 def deviances(errors: FloatArray) -> FloatArray:
     """(t,) of errors (t, n)."""
-    return np.asarray(np.nansum(errors**2, axis=1), dtype=float)
+    squares: FloatArray = np.where(np.isfinite(errors), errors, 0.0) ** 2
+    return squares.sum(axis=1)
 
 
 def losses(deviance: FloatArray, rows: FloatArray) -> FloatArray:
@@ -248,6 +263,9 @@ def _parameter_slopes(system: TrialSystem, model: Model, starts: FloatArray, pla
     space, vector = Space.of(model), vector_of(model)
     out = []
     for p, span in enumerate(space.span):
+        if space.low[p] >= space.high[p]:  # a fixed value
+            out.append(np.zeros_like(plain))
+            continue
         h = _DIFFERENCE * span
         if vector[p] + h > space.high[p]:
             h = -h

@@ -52,7 +52,7 @@ def judge(
     direct: dict[str, tuple[DirectEstimate | None, Decision]] = {}
     for term in chosen.effects:
         own, others = widths[term.candidate.key], tuple(t for t in chosen.model if t is not term)
-        alternatives = models.alternatives(term)
+        alternatives = [a for a in models.alternatives(term) if not _same_name(a, term.candidate)]
         estimate, agreement = _direct_agreement(problem, term, own, others, trials)
         direct[term.candidate.key] = estimate, agreement
         sides: Sides = wider(symmetric(own), symmetric(threshold_excess(term)))
@@ -99,6 +99,10 @@ def experiment_for(candidate: Candidate, alternatives: Sequence[Candidate]) -> s
     theirs = [c.experiment for a in alternatives for c in a.effect.confusables if c.effect == candidate.effect.name]
     usual = [c.experiment for c in candidate.effect.confusables[:1]]
     return "; ".join(dict.fromkeys(own + theirs or usual)) or "more trials with larger and smaller motion"
+
+
+def _same_name(a: Candidate, b: Candidate) -> bool:
+    return (a.effect.name, a.where) == (b.effect.name, b.where)
 
 
 def _inseparable(other: Candidate) -> Decision:

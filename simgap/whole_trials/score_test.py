@@ -20,6 +20,8 @@ _PROBE = 0.01  # of a strength's range
 _COUNTS = 40  # of harmonic laws, evenly by ratio over the plausible ones
 _SPEEDS = 6
 _RESTS = 5
+_DIGITS = 6  # of a loss
+_HALVINGS, _NEIGHBOURS = 4, 2  # of the way to the nearest thresholds that were tried
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,8 @@ def scores(
 def _score(
     system: TrialSystem, fit: ModelFit, base: Linearisation, prior: FloatArray, pull: FloatArray, candidate: Candidate
 ) -> Score:
+    if candidate.extra_starts:
+        return _threshold_score(system, fit, base, prior, candidate)
     best = Score(candidate, 0.0, ())
     plain = base.errors / np.sqrt(base.weight)[:, None]
     for group in _probe_groups(candidate):
@@ -66,6 +70,37 @@ def _score(
         if reduction > best.reduction:
             best = Score(candidate, reduction, (_moved(candidate, group, move[-count:]), group[0]))
     return best
+
+
+def _threshold_score(
+    system: TrialSystem, fit: ModelFit, base: Linearisation, prior: FloatArray, candidate: Candidate
+) -> Score:
+    """The best of several thresholds, taken as they are, and then of those halfway to its neighbours."""
+    before = base.least_loss(prior)
+
+    def reduction(values: dict[str, float]) -> float:
+        errors = clipped(system.errors((*fit.model, Term(candidate, values)), fit.starts[None]))[0]
+        return before - base.with_errors(errors).least_loss(prior)
+
+    tried = [(_off_null(candidate, start)) for start in candidate.extra_starts]
+    # Of thresholds that nothing reaches, all alike, the one nearest to what moves.
+    gains = [(round(reduction(v), _DIGITS), _apart(candidate, v, candidate.null), n) for n, v in enumerate(tried)]
+    least, _, number = max(gains)
+    best = tried[number]
+    for _ in range(_HALVINGS):
+        nearby = sorted((v for v in tried if v != best), key=lambda v: _apart(candidate, v, best))[:_NEIGHBOURS]
+        for other in nearby:
+            middle = {n: 0.5 * (best[n] + other[n]) for n in best}
+            tried.append(middle)
+            if (gain := reduction(middle)) > least:
+                least, best = gain, middle
+    return Score(candidate, max(least, 0.0), (best,) if least > 0.0 else ())
+
+
+def _apart(candidate: Candidate, a: dict[str, float], b: dict[str, float]) -> float:
+    """Distance of two sets of values, in their ranges."""
+    spans = {n: max(high - low, 1e-12) for n, (low, high) in candidate.bounds.items()}
+    return sum(abs(a[n] - b[n]) / spans[n] for n in a)
 
 
 def _moved(candidate: Candidate, group: Sequence[dict[str, float]], shares: FloatArray) -> dict[str, float]:
@@ -95,8 +130,6 @@ def _probe_groups(candidate: Candidate) -> list[list[dict[str, float]]]:
     if "rest_rad" in candidate.null:
         rests = np.linspace(*bounds["rest_rad"], _RESTS)
         return [[_off_null(candidate, {"rest_rad": float(r)})] for r in rests]
-    if candidate.extra_starts:
-        return [[_off_null(candidate, start)] for start in candidate.extra_starts]
     if "velocity_radps" in candidate.null:
         low, high = bounds["velocity_radps"]
         return [

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.linalg import solve_banded
 
 from schemas.arrays import FloatArray
 from schemas.gap import Place
-from sim.dynamics.hooks import CommandMap, Params, Series
+from sim.dynamics.elementwise import where
+from sim.dynamics.hooks import CommandMap, EffortMap, JointState, Params, Series
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.common.series import with_columns
-from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.effect import IN_LOOP, Confusable, Effect, Parameter
+
+_STANDSTILL_S = 1e-12  # no division by none
 
 
 def _map(series: Series, params: Params, where: Place) -> Series:
@@ -31,17 +36,26 @@ def _followed(t_s: FloatArray, sent: FloatArray, lag_s: float) -> FloatArray:
     return sent + (at_stamps - sent) * -np.expm1(-span) / span
 
 
+def _low_passed(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
+    """First-order answer to efforts that are held for a step: its mean over the step."""
+    steps = np.maximum(state.dt_s, _STANDSTILL_S) / np.maximum(values[0], _STANDSTILL_S)
+    before = where(np.isnan(memory[0]), state.effort, memory[0])
+    memory[0] = state.effort + (before - state.effort) * np.exp(-steps)
+    return state.effort - (before - state.effort) * np.expm1(-steps) / steps
+
+
 EFFECT = Effect(
     name="actuator.lag",
     kinds=("mechanism", "tracking"),
-    formula="lag_s * d(effort)/dt = asked - effort",
+    formula="lag_s * d(command)/dt = sent - command; in the loop (in_loop = 1), lag_s * d(effort)/dt = asked - effort",
     source="first-order motor electrics or low-pass of the drive",
     reveals="steps are rounded; fast commands are weakened and late",
-    parameters=(Parameter("lag_s", "s", 0.0, 0.5, 0.0),),
+    parameters=(Parameter("lag_s", "s", 0.0, 0.5, 0.0), IN_LOOP),
     confusables=(
         Confusable("actuator.delay", "command steps: a lag rounds the corner"),
         Confusable("joint.armature", "accelerate at several frequencies"),
     ),
     hook=CommandMap(_map),
+    in_loop=EffortMap(_low_passed, ("lag_s",), memory=1),
     mechanism=MechanismCandidacy(observable=lambda r: r.driven),
 )

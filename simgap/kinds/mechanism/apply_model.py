@@ -79,7 +79,7 @@ def apply_terms(declared: MechanismModel, model: Model) -> Applied:
     """`declared` with the terms of `model` in their order; a later term of the same number replaces an earlier one."""
     mechanism, laws, inputs, sensors = declared, [], [], []
     for term in model:
-        hook, where = term.candidate.effect.hook, term.candidate.where
+        hook, where = term.candidate.effect.hook_at(term.values), term.candidate.where
         if isinstance(hook, ModelChange):
             mechanism = hook.change(mechanism, term.values, where)
         elif isinstance(hook, CommandMap):

@@ -6,6 +6,7 @@ What an effect makes of the magnitudes (bounds, start, thresholds) is in the eff
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import MechanismModel
 from sim.dynamics.tree import inverse_dynamics, mass_matrix
 from sim.effects.candidacy import ROLES
-from sim.effects.effect import Effect
+from sim.effects.effect import IN_LOOP, Effect
 from sim.effects.library import EFFECTS
 from sim.effects.ranges import DeclaredJoint, JointRanges
 from simgap.problem import Candidate
@@ -58,11 +59,31 @@ def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Cand
     """Every effect of the library that these columns can reveal, at every joint, in library order."""
     by_joint = [ranges_of(model, series, j) for j in range(len(model.tree))]
     return tuple(
-        _candidate(each, ranges)
+        variant
         for each in EFFECTS
         if "mechanism" in each.kinds
         for ranges in (by_joint[:1] if each.mechanism.whole_log else by_joint)
         if each.mechanism.observable(ranges)
+        for variant in _variants(_candidate(each, ranges), model.drive.type == "position_pd")
+    )
+
+
+def _variants(candidate: Candidate, has_feedback: bool) -> tuple[Candidate, ...]:
+    """The candidate where it acts; for what may lie inside a loop, before and inside it."""
+    if candidate.effect.in_loop is None:
+        return (candidate,)
+    before = _fixed(candidate, 0.0, "")
+    return (before, _fixed(candidate, 1.0, "in loop")) if has_feedback else (before,)
+
+
+def _fixed(candidate: Candidate, in_loop: float, variant: str) -> Candidate:
+    value, bounds = {IN_LOOP.name: in_loop}, {IN_LOOP.name: (in_loop, in_loop)}
+    return replace(
+        candidate,
+        null=candidate.null | value,
+        start=candidate.start | value,
+        bounds=candidate.bounds | bounds,
+        variant=variant,
     )
 
 

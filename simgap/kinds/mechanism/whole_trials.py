@@ -67,9 +67,13 @@ class MechanismTrials:
         """See `TrialSystem`."""
         return len(self.declared.tree)
 
-    @cached_property
+    @property
     def start_steps(self) -> FloatArray:
         """See `TrialSystem`."""
+        return self._start_steps
+
+    @cached_property
+    def _start_steps(self) -> FloatArray:
         scale = self.noise / np.sqrt(np.mean([log.smooth.q_noise**2 for log in self.logs], axis=0))
         return np.array([np.concatenate([self.noise, self.logs[i].smooth.qd_noise * scale]) for i, _ in self._cuts])
 

@@ -15,6 +15,7 @@ from sim.effects.library import EFFECTS
 
 WORLDS, ROWS, STEP_S = 3, 40, 2e-3
 STEP_EFFECTS = [e for e in EFFECTS if isinstance(e.hook, StepHook)]
+IN_LOOP_EFFECTS = [e for e in EFFECTS if e.in_loop is not None]
 VALUES = {
     "joint.spring": {"stiffness_Nm_per_rad": 1.0, "rest_rad": 0.1},
     "joint.hard_stop": {"lower_rad": -0.3, "upper_rad": 0.3, "stiffness_Nm_per_rad": 30.0, "loss_s_per_rad": 0.5},
@@ -92,6 +93,16 @@ def test_every_law_of_a_step_agrees(effect: Effect, drive: str) -> None:
     np.testing.assert_allclose(compiled, plain, rtol=0.0, atol=1e-9)
     without, _ = both(tree, drive, [])
     assert np.abs(compiled - without).max() > 1e-7  # the law did act
+
+
+@pytest.mark.parametrize("effect", IN_LOOP_EFFECTS, ids=lambda e: e.name)
+def test_laws_inside_a_loop_agree(effect: Effect) -> None:
+    assert effect.in_loop is not None
+    law = Law(effect.in_loop, {effect.parameters[0].name: 0.0045}, 0)
+    compiled, plain = both(TREES["hinge and slide"], "position_pd", [law])
+    np.testing.assert_allclose(compiled, plain, rtol=0.0, atol=1e-9)
+    without, _ = both(TREES["hinge and slide"], "position_pd", [])
+    assert np.abs(compiled - without).max() > 1e-5
 
 
 def test_laws_with_load_and_memory_agree_beside_one_another_in_a_chain() -> None:
