@@ -53,7 +53,8 @@ def check_whole_trials(
 def _comes_down(which: str, before: ModelFit, after: ModelFit, policy: Policy) -> Criterion:
     """Whether the excess over noise does, of all of these trials together and but for a share of that before."""
     was, now = (float(np.minimum(_mean_squares(f) - 1.0, policy.largest_excess).mean()) for f in (before, after))
-    bound = policy.noise_excess + policy.explained * max(was, 0.0)
+    uncertain = policy.noise_errors * 2.0 / np.sqrt(after.rows.sum())
+    bound = policy.noise_excess + uncertain + policy.explained * max(was, 0.0)
     return criterion(f"mean square error of whole {which} trials beyond the noise", now, "<=", bound)
 
 

@@ -25,6 +25,7 @@ _START_PRIOR = 1e-3  # precision that holds a start in place, in its steps: a st
 _DAMPING, _MOST_DAMPING, _TRIALS = 1e-3, 1e6, 6
 _SINGULAR = 1e-9
 _AT_BOUND = 1e-3  # of a range
+_FIXED = 1e-5  # range of a value that bounds fix
 _MOST_CORRELATION = 0.98
 
 
@@ -263,7 +264,7 @@ def _parameter_slopes(system: TrialSystem, model: Model, starts: FloatArray, pla
     space, vector = Space.of(model), vector_of(model)
     out = []
     for p, span in enumerate(space.span):
-        if space.low[p] >= space.high[p]:  # a fixed value
+        if span < _FIXED:
             out.append(np.zeros_like(plain))
             continue
         h = _DIFFERENCE * span

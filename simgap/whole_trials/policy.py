@@ -15,11 +15,10 @@ class Policy:
     least_gain        loss per row that an effect must take off, in units of that of noise. Two integrators of one law
                       differ by up to 1 % on the control recordings of `docs/benchmarks-simgap.md`.
     least_lead        loss per row by which a rejected model must be worse; half of that.
-    explained         share of the null model's excess over noise that may stay before a name is doubted. 2 % of
-                      the mean square are 86 % less error: right laws leave less on the foreign recordings (cases 1
-                      and 3: 1 and 0.2 %), wrong ones more (cases 7 and 15: 45 and 4 %).
-    noise_excess      excess of the mean square error over that of noise that counts as none: the noise of 20 trials
-                      is itself known to some per cent (chi-squared, 500 rows each).
+    explained         share of the null model's excess over noise that may stay before a name is doubted: 1.7 % of the
+                      amplitude, twice what two integrators of one law differ by.
+    noise_excess      excess of the mean square error over that of noise that counts as none, beside so many
+    noise_errors      standard errors of the noise level: 2 / sqrt(n) of its square for n rows, from second differences.
     largest_excess    excess of a trial beyond which it counts no more.
     least_share       share of the null model's loss per row that an effect must take off: what a law lacks shows beside
                       a large effect, not beside a small one.
@@ -37,8 +36,9 @@ class Policy:
     rejection_alpha: float = 0.001
     least_gain: float = 0.02
     least_lead: float = 0.005
-    explained: float = 0.02
-    noise_excess: float = 0.1
+    explained: float = 3e-4
+    noise_excess: float = 0.05
+    noise_errors: float = 3.0
     largest_excess: float = 1e4
     least_share: float = 0.02
     most_effects: int = 3

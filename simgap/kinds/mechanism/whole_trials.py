@@ -23,6 +23,7 @@ _DIVERGED = 1e6  # noise levels
 _MOST_CACHED = 64  # maps of inputs and readings whose windows are kept
 _FEWEST_ROWS = 16  # of a piece of a trial
 _GAP = 1.5  # median intervals; a longer one lacks a row
+_PLAIN = 4.0  # typical second differences of errors; larger ones are no plain noise
 _WILD = 6.0  # noise levels by which a single row leaves its neighbours
 _NEIGHBOURS = 2  # rows to either side that a wild row leaves
 
@@ -139,9 +140,10 @@ class MechanismTrials:
     def with_noise_from(self, model: Model, starts: FloatArray) -> MechanismTrials:
         """See `TrialSystem`: the noise from second differences, which what moves smoothly hardly changes."""
         errors = self.errors(model, starts[None])[0].reshape(self._readings.shape) * self.noise
-        second = np.abs(np.diff(errors, 2, axis=1))
-        noise = 1.4826 * np.nanmedian(second, axis=(0, 1)) / np.sqrt(6.0)
-        noise = np.maximum(noise, 1e-3 * self.noise)
+        second = np.diff(errors, 2, axis=1)
+        typical = 1.4826 * np.nanmedian(np.abs(second), axis=(0, 1))
+        plain = np.where(np.abs(second) < _PLAIN * typical, second, np.nan)
+        noise = np.maximum(np.sqrt(np.nanmean(plain**2, axis=(0, 1)) / 6.0), 1e-3 * self.noise)
         missing = self.missing.copy()
         for i, (trial, rows) in enumerate(self._cuts):
             if len(rows) <= 2 * _NEIGHBOURS:
