@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from schemas.gap import AmbiguousGroup, Gain, NamedEffect, Reason, Verdict
 from simgap.inference.agreement import NO_DIRECT_ESTIMATE, agree, with_fixed_shape
 from simgap.inference.decision import Decided, Decision, all_of, criterion, decide, place_name
-from simgap.inference.direct_comparison import is_better
 from simgap.inference.intervals import Sides, differs_from_none, parameters, symmetric, threshold_excess, wider
 from simgap.inference.verdict_text import NAMED, STRANGE, statement, status
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
@@ -22,7 +21,6 @@ from simgap.whole_trials.fit_model import half_widths
 from simgap.whole_trials.policy import Policy
 
 _NORMAL_95 = 1.96
-_DIRECT_RIVALS = 3  # candidates of rejected models that are compared by direct estimates, too
 
 
 @dataclass(frozen=True)
@@ -62,7 +60,6 @@ def judge(
             differs_from_none(term, sides),
             *(_inseparable(a) for a in alternatives),
             agreement,
-            *_preferred(problem, term, models, others, estimate, trials),
         ]
         doubts = [d for d in every if not d.kept]
         named.append(
@@ -122,33 +119,6 @@ def _direct_agreement(
         return estimate, agreement
     pinned = problem.direct(with_fixed_shape(term), others, trials)
     return estimate, agreement if pinned is None else agree(term, widths, pinned)
-
-
-def _preferred(
-    problem: Problem,
-    term: Term,
-    models: ConfidenceSet,
-    others: Model,
-    own: DirectEstimate | None,
-    trials: Sequence[str],
-) -> list[Decision]:
-    """Refusals by candidates of rejected models that the direct route prefers in the place of a term."""
-    if own is None or own.held_out is None:
-        return []
-    rest = models.models[0].fit.keys - {term.candidate.key}
-    rivals = [
-        next(t.candidate for t in model.fit.effects if t.candidate.key not in rest)
-        for model, _ in models.decisions
-        if rest < model.fit.keys and term.candidate.key not in model.fit.keys
-    ]
-    out = []
-    for rival in rivals[:_DIRECT_RIVALS]:
-        estimate = problem.direct(rival, others, trials)
-        better = None if estimate is None else is_better(estimate, own)
-        if better is not None and better.kept:
-            test = criterion("candidates that the direct route prefers", 1, "<=", 0)
-            out.append(Decision(False, Reason.DIRECT_PREFERS, (test,), place_name(rival)))
-    return out
 
 
 def _confidence(doubts: Sequence[Decision], direct: DirectEstimate | None, policy: Policy) -> float:
