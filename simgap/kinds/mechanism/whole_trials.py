@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.arrays import BoolArray, FloatArray, IntArray
+from sim.dynamics.hooks import CommandMap, Series
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout, windows_from_starts
 from simgap.kinds.mechanism.apply_model import Applied, apply_terms
 from simgap.kinds.mechanism.logs import Log
@@ -21,6 +22,7 @@ from simgap.problem import Model
 
 _DIVERGED = 1e6  # noise levels
 _MOST_CACHED = 64  # maps of inputs and readings whose windows are kept
+_FINER = 4  # rows in the place of one where inputs act between rows
 _FEWEST_ROWS = 16  # of a piece of a trial
 _GAP = 1.5  # median intervals; a longer one lacks a row
 _PLAIN = 4.0  # typical second differences of errors; larger ones are no plain noise
@@ -119,11 +121,13 @@ class MechanismTrials:
     def errors(self, model: Model, starts: FloatArray) -> FloatArray:
         """See `TrialSystem`; n runs over rows and joints."""
         applied = apply_terms(self.declared, model)
-        windows, t_s = self._windows_of(applied)
+        finer = _FINER if _maps_inputs(model) else 1
+        windows, t_s = self._windows_of(applied, finer)
         joints = self.channel_count
         offsets = starts * self.start_steps
         many = windows_from_starts(windows, windows.q0 + offsets[..., :joints], windows.qd0 + offsets[..., joints:])
         q, _ = rollout(applied.mechanism, many, applied.laws, largest_step_s=self.step_s)
+        q = q[:, ::finer]
         if applied.sensors:
             lengths = np.array([len(rows) for _, rows in self._cuts])
             q = applied.read_off(np.tile(t_s, (len(starts), 1)), q, np.tile(lengths, len(starts)))
@@ -154,14 +158,35 @@ class MechanismTrials:
             missing[trial, rows[middle]] |= wild
         return replace(self, noise=noise, missing=missing)
 
-    def _windows_of(self, applied: Applied) -> tuple[Windows, FloatArray]:
+    def _windows_of(self, applied: Applied, finer: int) -> tuple[Windows, FloatArray]:
         """One window per piece, and true stamps (w, k); kept for models that map inputs and readings alike."""
-        if applied.maps not in self._windows:
+        key = (*applied.maps, finer)
+        if key not in self._windows:
             if len(self._windows) >= _MOST_CACHED:
                 self._windows.clear()
             recovered = [applied.recovered(log.series) for log in self.logs]
-            cuts = [(recovered[trial], Cut(rows[None], np.arange(len(rows)))) for trial, rows in self._cuts]
+            held = [_between_rows(series, finer) for series in recovered]
+            cuts = [
+                (held[trial], Cut(np.arange(rows[0] * finer, rows[-1] * finer + 1)[None], np.arange(len(rows))))
+                for trial, rows in self._cuts
+            ]
             longest = self._readings.shape[1]
             stamps = [np.pad(recovered[i].t_s[rows], (0, longest - len(rows)), mode="edge") for i, rows in self._cuts]
-            self._windows[applied.maps] = windows_of(cuts, applied), np.array(stamps)
-        return self._windows[applied.maps]
+            self._windows[key] = windows_of(cuts, applied), np.array(stamps)
+        return self._windows[key]
+
+
+def _maps_inputs(model: Model) -> bool:
+    """Whether a term, other than a nuisance, changes when inputs act: that may be anywhere between two rows."""
+    terms = (t for t in model if not t.candidate.nuisance)
+    return any(isinstance(t.candidate.effect.hook_at(t.values), CommandMap) for t in terms)
+
+
+def _between_rows(series: Series, finer: int) -> Series:
+    """The series with so many rows in the place of each, what it holds held."""
+    if finer == 1:
+        return series
+    places = np.arange((len(series.t_s) - 1) * finer + 1) / finer
+    rows = np.floor(places).astype(int)
+    t_s = np.interp(places, np.arange(len(series.t_s)), series.t_s)
+    return Series(t_s, {name: values[rows] for name, values in series.columns.items()})
