@@ -88,9 +88,17 @@ class GravityLoad(Strict):
     com_distance_m: NonNegative
     zero_rad: float = 0.0
 
+    @property
+    def inertia_kgm2(self) -> float:
+        """About the joint's axis, of the mass as a point: the least that a joint with this load can have."""
+        return self.mass_kg * self.com_distance_m**2
+
 
 class Joint(Strict):
-    """One joint of a mechanism, base to tip; `inertia_kgm2` is the total about its axis, load included."""
+    """One joint of a mechanism, base to tip; `inertia_kgm2` is the total about its axis, load included.
+
+    Without it the load counts as a point mass.
+    """
 
     name: str
     type: Literal["revolute", "prismatic"] = "revolute"
