@@ -109,7 +109,10 @@ class ConventionCheck(_Machine):
 
 
 class Localisation(_Machine):
-    """Where the error comes from."""
+    """A phase, band or axis that clearly holds more error than its share of the readings.
+
+    contrast   error of a reading inside over that of one outside: in the rest of the axis, or in other axes.
+    """
 
     what: str
     share_of_error: float
@@ -118,6 +121,7 @@ class Localisation(_Machine):
     phase: str = ""
     axis: str = ""
     noise_ratio: float | None = None
+    contrast: float | None = None
 
 
 class Hypothesis(_Machine):
@@ -222,7 +226,8 @@ class GapReport(_Machine):
     """`report.json` of `mana gap find`."""
 
     schema_version: Literal[1] = 1
-    measurement: str
+    measurement: str  # hash of the folder's content
+    measurement_name: str = ""
     n_train: int
     n_test: int
     wall_s: float

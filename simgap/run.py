@@ -115,7 +115,8 @@ def search(
     tick("drawing")
     pictures = _pictures(case, result)
     extension = result.extension.model_copy(update={"target": _target(measurement)})
-    report = result.report.model_copy(update={"wall_s": round(time.monotonic() - since, 1)})
+    name, wall_s = measurement.spec.name, round(time.monotonic() - since, 1)
+    report = result.report.model_copy(update={"measurement_name": name, "wall_s": wall_s})
     files = {f"{PICTURES}/{name}": data for name, data in pictures.items()}
     for stale in (p for p in (out / PICTURES).glob("*.png") if p.name not in pictures):
         stale.unlink()

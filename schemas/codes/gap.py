@@ -51,8 +51,8 @@ GAP_CODES: dict[str, CodeInfo] = {
     "gap/inertia-below-load": CodeInfo(
         "error",
         "A joint's inertia is below that of its load",
-        "A mass m whose centre is l away from the axis has at least m l^2 about it. With less, the mass centre, the mass "
-        "or the inertia is wrong, and no mechanism of these numbers exists.",
+        "A mass m whose centre is l away from the axis has at least m l^2 about it. With less, the mass centre, the "
+        "mass or the inertia is wrong, and no mechanism of these numbers exists.",
         "give the total inertia about the joint's axis, load included, or correct mass_kg and com_distance_m",
     ),
     "gap/unreadable-subject": CodeInfo(

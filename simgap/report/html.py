@@ -11,6 +11,7 @@ from schemas.gap import GapReport
 from simgap.inference.verdict_text import share
 from simgap.report.decision_table import decision_rows, outcome_counts
 from simgap.report.pictures.ablation import ablation
+from simgap.whole_trials.policy import POLICY
 
 REPORT, PAGE, PICTURES = "report.json", "report.html", "pictures"
 # Order on the page; those that are absent are left out.
@@ -40,7 +41,8 @@ def render_page(report: GapReport, folder: Path) -> str:
     return pages.get_template("gap.html").render(
         report=report,
         pictures=pictures,
-        name=f"measurement {report.measurement[:12]}",
+        name=report.measurement_name or f"measurement {report.measurement[:12]}",
         decisions=rows,
         counts=outcome_counts(rows),
+        contrast=POLICY.contrast,
     )
