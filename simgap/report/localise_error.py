@@ -36,7 +36,7 @@ class _Loss:
         """(2, t) summed loss and number of readings within a mask (n, c)."""
         count = int(self.trials.max()) + 1
         sums = [np.where(mask & self.seen, v, 0.0).sum(axis=1) for v in (self.loss, np.ones_like(self.loss))]
-        return np.stack([np.bincount(self.trials, v, count) for v in sums])
+        return np.stack([np.bincount(self.trials, v, count).astype(np.float64) for v in sums])
 
     def contrast(self, inside: BoolArray, frame: BoolArray) -> Contrast:
         """Mean loss of a reading `inside` over that of one in the rest of `frame`; its lower bound over trials."""
@@ -86,7 +86,7 @@ def localise_error(
         if not contrast.lower >= POLICY.contrast:
             continue
         ratio = float(np.sqrt((np.clip(error[mask], -1e3, 1e3) ** 2).mean()))
-        first = [s for s, c in zip(starts, mask.any(axis=0), strict=True) if c and s is not None]
+        first = [s for s, c in zip(starts, np.atleast_1d(mask.any(axis=0)), strict=True) if c and s is not None]
         rows.append(
             Localisation(
                 what=f"{axis}: {phase}" if phase else axis,

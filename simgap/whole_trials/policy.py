@@ -24,8 +24,8 @@ class Policy:
     promising         share of the best score that a candidate needs to be fitted to the end.
     iterations        steps of Gauss and Newton of one fit; they end earlier at `least_step` of deviance.
     contrast          error of a reading in a slice over that of one outside, below which (at its lower 95 % bound over
-                      trials) a report does not call the slice the place of the error: at 1.25, 40 % of the readings hold
-                      at least 45 % of the error.
+                      trials) a report does not call the slice the place of the error: at 1.25, 40 % of the readings
+                      hold at least 45 % of the error.
     """
 
     alpha: float = 0.05

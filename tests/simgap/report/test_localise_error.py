@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from schemas.arrays import FloatArray
-from simgap.problem import Model, Problem, View
+from simgap.problem import Candidate, DirectEstimate, Model, Problem, View
 from simgap.report.localise_error import localise_error
 from simgap.whole_trials.policy import POLICY
 
@@ -29,6 +29,22 @@ class Readings(Problem):
             error = rng.normal(0.0, 1.0, (ROWS, 2))
             error[features[:, 0] > 0.4] *= larger if both else np.array([larger, 1.0])
             self._errors.append(error)
+
+    @property
+    def trial_ids(self) -> tuple[str, ...]:
+        return NAMES
+
+    def candidates(self) -> tuple[Candidate, ...]:
+        return ()
+
+    def nuisances(self) -> tuple[Candidate, ...]:
+        return ()
+
+    def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
+        return None
+
+    def channel_units(self) -> tuple[str, ...]:
+        return ("rad", "rad")
 
     def channels(self) -> tuple[str, ...]:
         return ("q_one", "q_two")
