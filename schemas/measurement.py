@@ -75,10 +75,22 @@ class Box(Strict):
 
 
 class PairContact(Strict):
-    """Coefficients of the pair body-support."""
+    """Coefficients of the pair body-support; further keys are contact effects of the library, which the reader checks.
+
+    Such a key is the effect's name after `contact.`; its value is the effect's one parameter, or a mapping of all, e.g.
+    `rolling_friction: 0.002` or `compliance: {stiffness_Npm: 2.0e+4, damping_Nspm: 15}`.
+    """
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, float | dict[str, float]] = Field(init=False)
 
     friction: NonNegative = 0.5
     restitution: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+
+    @property
+    def effects(self) -> dict[str, float | dict[str, float]]:
+        """What is given besides friction and restitution."""
+        return self.__pydantic_extra__
 
 
 class GravityLoad(Strict):

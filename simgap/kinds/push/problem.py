@@ -21,6 +21,7 @@ from simgap.kinds.push.records import PATH_STEPS, STEADY_FROM_SHARE, Records, en
 from simgap.kinds.push.sliding import plane_rotations, simulate_pushes
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, View
 from simgap.recording.read import Measurement
+from simgap.recording.reading.contact import with_declared_contact
 
 _LEAST_M, _LEAST_N = 1e-5, 1e-3
 _WORKS = 0.8  # least share of pushes whose force must do work
@@ -179,4 +180,5 @@ def _declared(measurement: Measurement, whole: Records) -> PushModel:
     )
     standoff = max(float(np.median(end_distance(outline, whole))), 0.0)
     friction = subject.contact.friction
+    body = with_declared_contact(body, subject.contact)
     return PushModel(body, outline, even_points(foot), friction, max(friction, 1e-3), standoff)
