@@ -82,15 +82,14 @@ class PairContact(Strict):
     """
 
     model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, float | dict[str, float]] = Field(init=False)
 
     friction: NonNegative = 0.5
     restitution: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
 
     @property
-    def effects(self) -> dict[str, float | dict[str, float]]:
-        """What is given besides friction and restitution."""
-        return self.__pydantic_extra__
+    def effects(self) -> dict[str, Any]:
+        """What is given besides friction and restitution: numbers, or mappings of names to numbers."""
+        return self.model_extra or {}
 
 
 class GravityLoad(Strict):

@@ -1,16 +1,17 @@
-"""The declared contact of body and support: keys of `subject.contact` as effects of the library, checked and applied."""
+"""The declared contact of body and support: keys of `subject.contact` as effects of the library."""
 
 from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator, Mapping
+from typing import Any, cast
 
-from schemas.diagnostics import Diagnostic, finding
+from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.gap import Place
 from schemas.measurement import MeasurementSpec, PairContact
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import ModelChange
-from sim.effects.effect import Effect
+from sim.effects.effect import Effect, Parameter
 from sim.effects.library import EFFECTS
 from sim.effects.ranges import SUPPORT_PAIR
 from simgap.recording.reading.yaml_text import YamlDocument
@@ -37,40 +38,48 @@ def with_declared_contact(body: BodyModel, contact: PairContact) -> BodyModel:
     return body
 
 
-def _parameters(effect: Effect, given: float | dict[str, float]) -> dict[str, float]:
-    return given if isinstance(given, dict) else {effect.parameters[0].name: given}
+def _parameters(effect: Effect, given: float | Mapping[str, float]) -> dict[str, float]:
+    """Values by parameter name."""
+    return dict(given) if isinstance(given, Mapping) else {effect.parameters[0].name: given}
 
 
-def _key_findings(
-    spec: MeasurementSpec, key: str, given: float | dict[str, float], document: YamlDocument
-) -> Iterator[Diagnostic]:
+def _key_findings(spec: MeasurementSpec, key: str, given: Any, document: YamlDocument) -> Iterator[Diagnostic]:
     path = ("subject", "contact", key)
+    dotted = ".".join(path)
     effect = CONTACT_EFFECTS.get(key)
     if effect is None or spec.kind not in effect.kinds:
         known = [name for name, e in CONTACT_EFFECTS.items() if spec.kind in e.kinds]
         what = "is no contact effect" if effect is None else f"does not act on measurements of kind {spec.kind}"
-        text = f"'subject.contact.{key}' {what}; {_hint(key, known)}"
-        yield finding("gap/unknown-key", text, where=document.place(path, of_key=True))
+        place = document.place(path, of_key=True)
+        yield finding("gap/unknown-key", f"'{dotted}' {what}; {_hint(key, known)}", where=place)
         return
     names = [p.name for p in effect.parameters]
-    if not isinstance(given, dict) and len(names) > 1:
-        text = f"'subject.contact.{key}' has several parameters: give a mapping with {', '.join(names)}"
-        yield finding("gap/invalid-value", text, where=document.place(path), value=given)
+    if not isinstance(given, Mapping) and len(names) > 1:
+        text = f"'{dotted}' has several parameters: give a mapping with {', '.join(names)}"
+        yield finding("gap/invalid-value", text, where=document.place(path), value=str(given)[:60])
         return
-    values = _parameters(effect, given)
-    for name in values.keys() - set(names):
-        text = f"'subject.contact.{key}.{name}' is no parameter of {effect.name}; {_hint(name, names)}"
+    values = _parameters(effect, cast("float | Mapping[str, float]", given))
+    for name in [n for n in values if n not in names]:
+        text = f"'{dotted}.{name}' is no parameter of {effect.name}; {_hint(str(name), names)}"
         yield finding("gap/unknown-key", text, where=document.place((*path, name), of_key=True))
     for parameter in effect.parameters:
-        value = values.get(parameter.name)
-        if value is None:
-            text = f"'subject.contact.{key}.{parameter.name}' is not given"
-            yield finding("gap/missing-key", text, where=document.place(path))
-        elif not parameter.low <= value <= parameter.high:
-            bound = parameter.low if value < parameter.low else parameter.high
-            text = f"'subject.contact.{key}' is {value:g}, plausible are {parameter.low:g} to {parameter.high:g}"
-            place = document.place((*path, parameter.name) if isinstance(given, dict) else path)
-            yield finding("gap/invalid-value", text, where=place, value=value, bound=bound, unit=parameter.unit)
+        if parameter.name not in values:
+            yield finding("gap/missing-key", f"'{dotted}.{parameter.name}' is not given", where=document.place(path))
+            continue
+        place = document.place((*path, parameter.name) if isinstance(given, Mapping) else path)
+        yield from _value_findings(dotted, parameter, values[parameter.name], place)
+
+
+def _value_findings(dotted: str, parameter: Parameter, value: object, where: Location) -> Iterator[Diagnostic]:
+    """An error for what is no number, or none within the bounds of the parameter."""
+    low, high = parameter.low, parameter.high
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        text = f"'{dotted}' takes a number for {parameter.name}"
+        yield finding("gap/invalid-value", text, where=where, value=str(value)[:60])
+    elif not low <= value <= high:
+        text = f"'{dotted}' is {value:g}, plausible are {low:g} to {high:g}"
+        bound = low if value < low else high
+        yield finding("gap/invalid-value", text, where=where, value=value, bound=bound, unit=parameter.unit)
 
 
 def _hint(name: str, known: list[str]) -> str:

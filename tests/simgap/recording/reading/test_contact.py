@@ -1,4 +1,4 @@
-"""`subject.contact` takes what the contact effects of the library take; each value is simulated and is the null value."""
+"""`subject.contact` takes what contact effects of the library take; each value is simulated and is the null value."""
 
 from __future__ import annotations
 
