@@ -174,6 +174,12 @@ class WorldModel(Strict):
     support: Support | None = None
 
 
+class SimulatorSettings(Strict):
+    """How its owner simulates the model: a fixed step; PyBullet's own by default."""
+
+    step_s: Positive = 1.0 / 240.0
+
+
 class Actuation(Strict):
     """What drives the joints: nothing, a known effort, or a position controller."""
 
@@ -217,5 +223,6 @@ class MeasurementSpec(Strict):
     sensor_noise: SensorNoise = SensorNoise()
     subject: Subject
     world: WorldModel = WorldModel()
+    simulator: SimulatorSettings = SimulatorSettings()
     actuation: Actuation = Actuation()
     split: TrialSplit | None = None
