@@ -11,7 +11,7 @@ from dataclasses import fields
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import ConventionCheck
+from schemas.gap import ConventionCheck, RolloutEngine
 from sim.dynamics.body_rollout import BodyModel
 from simgap.kinds.push.candidates import candidates_of, nuisances_of, ranges_of
 from simgap.kinds.push.direct_estimates import estimate
@@ -51,6 +51,10 @@ class PushProblem(Problem):
     def convention_checks(self) -> tuple[ConventionCheck, ...]:
         """The check of the forces' sign."""
         return (self._force_check(),)
+
+    def own_rollout(self) -> RolloutEngine:
+        """See `simgap.problem.Problem`; no speed enters, so there is no step of time."""
+        return RolloutEngine(name="Mana", method="quasi-static pushing on an ellipsoidal limit surface, row by row")
 
     def channels(self) -> tuple[str, ...]:
         """Move and turn by the push and mean steady force, axes of the body before the push."""
