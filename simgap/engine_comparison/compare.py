@@ -26,7 +26,7 @@ from simgap.recording.recording import Trial
 from simgap.report.side_by_side import joint_windows, read_positions
 
 FINER = 4  # steps of the second pass, per step of the user's: the part that the step makes falls by it
-_MOST_TRIALS, _MOST_SIMULATED_S = 12, 30.0  # of held-out trials that are replayed
+_MOST_REPLAYED, _MOST_SIMULATED_S = 12, 30.0  # of held-out trials that are replayed
 LIMITS = Limits(seconds=60.0, memory_mb=4096)
 _METHOD = "Mana's control laws as efforts in fixed steps"
 
@@ -121,7 +121,7 @@ def most_telling(rollouts: EngineRollouts) -> tuple[int, int]:
 def _chosen(trials: Sequence[Trial]) -> list[Trial]:
     """The first ones, as many as the bounds allow, and one at least."""
     spans = np.cumsum([t.t_s[-1] - t.t_s[0] for t in trials])
-    return list(trials[: max(1, min(_MOST_TRIALS, int((spans <= _MOST_SIMULATED_S).sum())))])
+    return list(trials[: max(1, min(_MOST_REPLAYED, int((spans <= _MOST_SIMULATED_S).sum())))])
 
 
 def _loaded(file: Path) -> FloatArray | None:

@@ -64,6 +64,11 @@ def gained(gains: Sequence[Gain]) -> str:
     if gains[0].horizon_s == 0.0:
         return _change(gains[0], "", "events")
     over = [f"roll-outs of {g.horizon_s:.3g} s" if g.view == "short_horizon" else "whole roll-outs" for g in gains]
+    if all(g.reduction > 0.0 for g in gains):
+        first, *others = (share(g.reduction, g.ci95) for g in gains)
+        return " and ".join(
+            [f"{first} less held-out error over {over[0]}", *map("{} over {}".format, others, over[1:])]
+        )
     return ", ".join(_change(g, f" over {words}", words) for g, words in zip(gains, over, strict=True))
 
 

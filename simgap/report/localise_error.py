@@ -15,9 +15,9 @@ from simgap.inference.robust_least_squares import CAUCHY_SCALE
 from simgap.problem import EventProblem, Model, Problem
 from simgap.whole_trials.policy import POLICY
 
-_DIVERGED = 5.0  # noise levels
+_LEFT_NOISE = 5.0  # noise levels
 _MOST_ROWS = 8
-_DRAWS = 400  # of trials, for the lower bound of a contrast
+_CONTRAST_DRAWS = 400  # of trials, for the lower bound of a contrast
 _NEAR_M = 0.004  # lowest point this close to the support: touching
 _SLOW_MPS, _SLOW_RADPS = 0.02, 0.2
 _ROLLS = 0.25  # slip over speed below which contact rolls
@@ -41,7 +41,7 @@ class _Loss:
     def contrast(self, inside: BoolArray, frame: BoolArray) -> Contrast:
         """Mean loss of a reading `inside` over that of one in the rest of `frame`; its lower bound over trials."""
         within, rest = self.per_trial(inside), self.per_trial(frame & ~inside)
-        draws = np.random.default_rng(0).integers(0, within.shape[1], (_DRAWS, within.shape[1]))
+        draws = np.random.default_rng(0).integers(0, within.shape[1], (_CONTRAST_DRAWS, within.shape[1]))
         drawn = _ratio(within[:, draws].sum(axis=2), rest[:, draws].sum(axis=2))
         whole = float(_ratio(within.sum(axis=1), rest.sum(axis=1)))
         return Contrast(whole, float(np.quantile(drawn, POLICY.rejection_alpha)))
@@ -130,7 +130,7 @@ def _first_divergence(problem: Problem, model: Model, trials: Sequence[str]) -> 
     times: list[list[float]] = [[] for _ in floor]
     residuals = problem.residuals(model, trials, "full_rollout")
     for error, features in zip(residuals, problem.features(trials, "full_rollout"), strict=True):
-        beyond = ~(np.abs(error / floor) <= _DIVERGED)
+        beyond = ~(np.abs(error / floor) <= _LEFT_NOISE)
         for c, divergence_s in enumerate(times):
             inside = np.flatnonzero(~beyond[:, c])
             last = inside[-1] + 1 if len(inside) else 0

@@ -23,9 +23,9 @@ CONTACT_EFFECTS: Mapping[str, Effect] = {e.name.removeprefix(FAMILY): e for e in
 def contact_findings(spec: MeasurementSpec, document: YamlDocument) -> tuple[Diagnostic, ...]:
     """Errors for keys that are no contact effect of this kind of measurement, and for values out of its bounds."""
     return tuple(
-        found
+        diagnostic
         for key, given in spec.subject.contact.effects.items()
-        for found in _key_findings(spec, key, given, document)
+        for diagnostic in _key_findings(spec, key, given, document)
     )
 
 

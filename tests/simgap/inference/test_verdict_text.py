@@ -71,10 +71,7 @@ def test_every_headline_with_effects_quotes_short_and_whole_roll_outs():
     """Half an error less over 80 ms may be nothing over whole trials: both are said, whatever the status."""
     whole = gain(0.9, 0.8).model_copy(update={"view": "full_rollout", "horizon_s": 0.0, "ci95": (0.8, 0.95)})
     gains = [gain(0.5, 0.3), whole]
-    figures = (
-        "50% (30% to 70%) less held-out error over roll-outs of 0.08 s, "
-        "90% (80% to 95%) less held-out error over whole roll-outs"
-    )
+    figures = "50% (30% to 70%) less held-out error over roll-outs of 0.08 s and 90% (80% to 95%) over whole roll-outs"
     alone = AmbiguousGroup(effects=("contact.friction",), experiment="slide it")
     pair = AmbiguousGroup(effects=("contact.friction", "body.mass"), experiment="weigh it")
     assert figures in statement(gains, [friction(1.0)], [], False)
