@@ -28,7 +28,7 @@ from simgap.report.side_by_side import joint_windows, read_positions
 FINER = 4  # steps of the second pass, per step of the user's: the part that the step makes falls by it
 _MOST_REPLAYED, _MOST_SIMULATED_S = 12, 30.0  # of held-out trials that are replayed
 LIMITS = Limits(seconds=60.0, memory_mb=4096)
-_METHOD = "Mana's control laws as efforts in fixed steps"
+_METHOD = "damping and drives as efforts set before each step, dry friction as a motor of limited effort"
 
 
 @dataclass(frozen=True)

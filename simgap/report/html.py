@@ -28,7 +28,7 @@ def engine_share(difference: EngineDifference) -> str:
     """What the two roll-outs differ by, over the rms error against the recording, as words."""
     if not math.isfinite(difference.between_engines):
         return "it diverged"
-    return f"{difference.between_engines / max(difference.ours_to_recording, 1e-300):.2g} of the gap"
+    return f"{100.0 * difference.between_engines / max(difference.ours_to_recording, 1e-300):.2g} % of the gap"
 
 
 def render_page(report: GapReport, folder: Path) -> str:

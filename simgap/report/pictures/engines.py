@@ -8,6 +8,8 @@ from render.figure import figure, png, style_axes
 from simgap.engine_comparison.compare import TrialRollouts
 from simgap.report.pictures.colours import DECLARED, ENGINE, MEASURED
 
+_MOST_SHOWN = 3.0  # ranges of the readings up to which a roll-out that leaves them is drawn
+
 
 def engines(trial: TrialRollouts, joint: int, channel: str, unit: str, engine: str, step_s: float) -> bytes:
     """PNG: positions above; below what the engine's roll-out differs by from ours, on a scale of its own."""
@@ -18,8 +20,7 @@ def engines(trial: TrialRollouts, joint: int, channel: str, unit: str, engine: s
     top.plot(t, measured, color=MEASURED, linewidth=2.6, label="measured")
     top.plot(t, trial.ours[:, joint], color=DECLARED, linewidth=1.6, label="simulated here, as declared")
     top.plot(t, trial.engine[:, joint], color=ENGINE, linewidth=1.6, linestyle="--", label=f"{words}, as declared")
-    span = max(float(np.ptp(measured)), 1e-9)
-    top.set_ylim(float(measured.min()) - 0.6 * span, float(measured.max()) + 0.6 * span)
+    top.set_ylim(*_shown(trial, joint))
     apart = trial.engine[:, joint] - trial.ours[:, joint]
     bottom.plot(t, apart, color=ENGINE, linewidth=1.4, linestyle="--", label=f"steps of {1e3 * step_s:.3g} ms")
     if trial.finer is not None:
@@ -30,3 +31,14 @@ def engines(trial: TrialRollouts, joint: int, channel: str, unit: str, engine: s
     style_axes(bottom, "time (s)", f"engine - ours ({unit})")
     top.legend(frameon=False, fontsize=9, loc="best")
     return png(canvas)
+
+
+def _shown(trial: TrialRollouts, joint: int) -> tuple[float, float]:
+    """Lowest and highest position: all readings, and roll-outs up to some of their ranges away."""
+    measured = trial.measured[:, joint]
+    span = max(float(np.ptp(measured)), 1e-9)
+    low, high = float(measured.min()) - _MOST_SHOWN * span, float(measured.max()) + _MOST_SHOWN * span
+    every = np.concatenate([measured, trial.ours[:, joint], trial.engine[:, joint]])
+    inside = np.clip(every[np.isfinite(every)], low, high)
+    room = 0.08 * float(np.ptp(inside)) + 1e-9
+    return float(inside.min()) - room, float(inside.max()) + room
