@@ -109,7 +109,10 @@ class ConventionCheck(_Machine):
 
 
 class Localisation(_Machine):
-    """Where the error comes from."""
+    """A phase, band or axis that clearly holds more error than its share of the readings.
+
+    contrast   error of a reading inside over that of one outside: in the rest of the axis, or in other axes.
+    """
 
     what: str
     share_of_error: float
@@ -118,6 +121,7 @@ class Localisation(_Machine):
     phase: str = ""
     axis: str = ""
     noise_ratio: float | None = None
+    contrast: float | None = None
 
 
 class Hypothesis(_Machine):
@@ -205,6 +209,42 @@ class Gain(_Machine):
     gap_closed: float
 
 
+class RolloutEngine(_Machine):
+    """What rolled models out: its name with version, its method in words, its longest step (s); None without steps."""
+
+    name: str
+    method: str
+    step_s: float | None = None
+
+
+class EngineDifference(_Machine):
+    """One joint of the declared mechanism, rms in `unit` over whole trials; infinite where a roll-out is no number.
+
+    between_engines         the engine's roll-out at the user's step against ours: the engine's part of the gap.
+    between_at_finer_step   the same at a quarter of that step; what is gone from it was the step's part.
+    ours_to_recording, engine_to_recording   each roll-out against the readings: the whole gap.
+    """
+
+    channel: str
+    unit: str
+    between_engines: float
+    between_at_finer_step: float | None = None
+    ours_to_recording: float
+    engine_to_recording: float
+
+
+class EngineComparison(_Machine):
+    """The declared mechanism in the user's engine at the user's step, over these whole held-out trials.
+
+    failure   why trials are missing; empty where none is.
+    """
+
+    engine: RolloutEngine
+    trials: tuple[str, ...] = ()
+    differences: tuple[EngineDifference, ...] = ()
+    failure: str = ""
+
+
 class Baseline(_Machine):
     """Errors of the current model without any change."""
 
@@ -222,11 +262,14 @@ class GapReport(_Machine):
     """`report.json` of `mana gap find`."""
 
     schema_version: Literal[1] = 1
-    measurement: str
+    measurement: str  # hash of the folder's content
+    measurement_name: str = ""
     n_train: int
     n_test: int
     wall_s: float
     traps: tuple[ConventionCheck, ...] = ()
+    rollout: RolloutEngine | None = None  # of the declared model and all others
+    engine_comparison: EngineComparison | None = None  # of mechanisms
     baseline: Baseline
     localisation: tuple[Localisation, ...] = ()
     hypotheses: tuple[Hypothesis, ...] = ()

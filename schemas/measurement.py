@@ -75,10 +75,21 @@ class Box(Strict):
 
 
 class PairContact(Strict):
-    """Coefficients of the pair body-support."""
+    """Coefficients of the pair body-support; further keys are contact effects of the library, which the reader checks.
+
+    Such a key is the effect's name after `contact.`; its value is the effect's one parameter, or a mapping of all, e.g.
+    `rolling_friction: 0.002` or `compliance: {stiffness_Npm: 2.0e+4, damping_Nspm: 15}`.
+    """
+
+    model_config = ConfigDict(extra="allow")
 
     friction: NonNegative = 0.5
     restitution: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+
+    @property
+    def effects(self) -> dict[str, Any]:
+        """What is given besides friction and restitution: numbers, or mappings of names to numbers."""
+        return self.model_extra or {}
 
 
 class GravityLoad(Strict):
@@ -88,9 +99,17 @@ class GravityLoad(Strict):
     com_distance_m: NonNegative
     zero_rad: float = 0.0
 
+    @property
+    def inertia_kgm2(self) -> float:
+        """About the joint's axis, of the mass as a point: the least that a joint with this load can have."""
+        return self.mass_kg * self.com_distance_m**2
+
 
 class Joint(Strict):
-    """One joint of a mechanism, base to tip; `inertia_kgm2` is the total about its axis, load included."""
+    """One joint of a mechanism, base to tip; `inertia_kgm2` is the total about its axis, load included.
+
+    Without it the load counts as a point mass.
+    """
 
     name: str
     type: Literal["revolute", "prismatic"] = "revolute"
@@ -155,6 +174,12 @@ class WorldModel(Strict):
     support: Support | None = None
 
 
+class SimulatorSettings(Strict):
+    """How its owner simulates the model: a fixed step; PyBullet's own by default."""
+
+    step_s: Positive = 1.0 / 240.0
+
+
 class Actuation(Strict):
     """What drives the joints: nothing, a known effort, or a position controller."""
 
@@ -198,5 +223,6 @@ class MeasurementSpec(Strict):
     sensor_noise: SensorNoise = SensorNoise()
     subject: Subject
     world: WorldModel = WorldModel()
+    simulator: SimulatorSettings = SimulatorSettings()
     actuation: Actuation = Actuation()
     split: TrialSplit | None = None

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
-from schemas.gap import ConventionCheck
+from schemas.gap import ConventionCheck, RolloutEngine
 from sim.dynamics.body_rollout import BodyRollout
 from sim.dynamics.linkage_rollout import LinkageRollout
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout
@@ -42,6 +42,11 @@ class ReplayEngine(Protocol):
     """What the sim gap needs of a physics engine: replays of bodies and linkages, roll-outs of mechanisms."""
 
     @property
+    def name(self) -> str:
+        """Name and version, for people."""
+        ...
+
+    @property
     def largest_step_s(self) -> float:
         """The step at which a search rolls out bodies (s)."""
         ...
@@ -49,6 +54,10 @@ class ReplayEngine(Protocol):
     @property
     def mechanism_rollout(self) -> JointReplay:
         """Rolls out windows of a mechanism, as `sim.dynamics.mechanism.rollout` does."""
+        ...
+
+    def mechanism_rollout_at(self, step_s: float) -> JointReplay:
+        """Like `mechanism_rollout`, with steps of at most `step_s`."""
         ...
 
     def body_rollout(self, step_s: float) -> BodyRollout:
@@ -133,6 +142,13 @@ def convention_checks_of(case: Case, findings: Sequence[Diagnostic]) -> tuple[Co
     )
     finer.engine.close()
     return tuple(checks)
+
+
+def declared_rollout(case: Case) -> RolloutEngine:
+    """In which engine, and in which steps, models of this case are rolled out."""
+    engine = replay_engine(case.engine)
+    method = "contacts of a rigid body, in equal steps between the rows"
+    return case.problem.own_rollout() or RolloutEngine(name=engine.name, method=method, step_s=engine.largest_step_s)
 
 
 def without_armature(model: MechanismModel) -> MechanismModel:

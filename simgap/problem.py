@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 from schemas.arrays import FloatArray
-from schemas.gap import ConventionCheck, Place
+from schemas.gap import ConventionCheck, Place, RolloutEngine
 from sim.dynamics.mechanism import MechanismModel
 from sim.effects.effect import Effect
 
@@ -182,6 +182,10 @@ class Problem(Protocol):
 
     def joint_motion(self, trial: str) -> JointMotion | None:
         """The motion of the joints of a fixed mechanism; None for all other kinds."""
+        return None
+
+    def own_rollout(self) -> RolloutEngine | None:
+        """How models are rolled out here; None for bodies, which the caller's engine rolls out."""
         return None
 
     def as_events(self) -> EventProblem | None:

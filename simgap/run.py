@@ -17,7 +17,8 @@ from jobs.cache import content_key, write_atomically
 from jobs.versions import code_hash, library_versions
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity
 from schemas.gap import GapReport
-from simgap.case import Case, case_of, convention_checks_of
+from simgap.case import Case, case_of, convention_checks_of, declared_rollout
+from simgap.engine_comparison.compare import EngineRollouts, compare_engines, most_telling, rollouts_in_engine
 from simgap.extension.extension import terms_of
 from simgap.find_gap import find_effects
 from simgap.inference.candidate_fit import CandidateFit, Map
@@ -26,6 +27,7 @@ from simgap.recording.read import Measurement, read
 from simgap.report.html import PAGE, PICTURES, REPORT, render_page
 from simgap.report.localise_error import localise_error
 from simgap.report.pictures.ablation import ablation
+from simgap.report.pictures.engines import engines
 from simgap.report.pictures.events import outcomes
 from simgap.report.pictures.overlay import overlay
 from simgap.report.pictures.unexplained import unexplained
@@ -113,10 +115,21 @@ def search(
         each=_each(jobs, tick, store),
         quick=quick,
     )
+    rollouts = _in_engine(case, tick, store)
     tick("drawing")
-    pictures = _pictures(case, result)
+    pictures = _pictures(case, result, rollouts)
     extension = result.extension.model_copy(update={"target": _target(measurement)})
-    report = result.report.model_copy(update={"wall_s": round(time.monotonic() - since, 1)})
+    name, wall_s = measurement.spec.name, round(time.monotonic() - since, 1)
+    report = result.report.model_copy(
+        update={
+            "measurement_name": name,
+            "wall_s": wall_s,
+            "rollout": declared_rollout(case),
+            "engine_comparison": None
+            if rollouts is None
+            else compare_engines(rollouts, case.problem.channels(), case.problem.channel_units()),
+        }
+    )
     files = {f"{PICTURES}/{name}": data for name, data in pictures.items()}
     for stale in (p for p in (out / PICTURES).glob("*.png") if p.name not in pictures):
         stale.unlink()
@@ -140,7 +153,16 @@ def _target(measurement: Measurement) -> dict[str, str]:
     return {key: path for key, path in given.items() if path is not None}
 
 
-def _pictures(case: Case, result: SearchResult) -> dict[str, bytes]:
+def _in_engine(case: Case, tick: Tick, store: ResultStore) -> EngineRollouts | None:
+    """The declared mechanism in the user's engine; None for what the engine rolls out anyway, and for events."""
+    mechanism = case.problem.declared_mechanism()
+    if mechanism is None:
+        return None
+    tick("rolling out the declared model in the engine")
+    return store.part("engine", lambda: rollouts_in_engine(case, mechanism))
+
+
+def _pictures(case: Case, result: SearchResult, rollouts: EngineRollouts | None) -> dict[str, bytes]:
     """PNG files by name."""
     problem, final = case.problem, result.final_model
     events = problem.as_events()
@@ -158,6 +180,11 @@ def _pictures(case: Case, result: SearchResult) -> dict[str, bytes]:
         "overlay.png": overlay(declared[at], extended[at] if extended else None, channel, unit),
         "ladder.png": ablation(result.report.ladder),
     }
+    if rollouts is not None and rollouts.trials:
+        trial, joint = most_telling(rollouts)
+        of_joint = problem.channels()[joint], problem.channel_units()[joint]
+        engine, step_s = rollouts.engine.name, rollouts.engine.step_s or 0.0
+        drawn["engines.png"] = engines(rollouts.trials[trial], joint, *of_joint, engine, step_s)
     mechanism = problem.declared_mechanism()
     if result.accepted and mechanism is not None:
         best = result.accepted[0]

@@ -33,7 +33,7 @@ LOST_CODES = {
 ENDPOINT_CODES = ("asset/annotator-unreachable", "asset/annotator-failed")
 # One core per asset, the batch fills the others; and USD starts no threads, which could not be forked.
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1", "PYTHONHASHSEED": "0"}
-_IMPORT_OUTPUT = ("pybullet build time", "#")  # Lines that PyBullet and (given a thread limit) OpenUSD print on import.
+_IMPORT_OUTPUT = "#"  # How a line begins that OpenUSD prints on import, given a thread limit.
 READY_STUDIO_FROM = 6  # sources; a ready studio takes the processor time that so many assets save with it
 WORKER, PRELOAD = "assetkit.batch.worker", "assetkit.batch.preload"
 DEFAULT_LIMITS = Limits(seconds=300.0, memory_mb=8192)

@@ -212,6 +212,16 @@ def _show(report: GapReport) -> None:
     for check in report.traps:
         if check.status != "ok":
             text.console.print(f"  convention {check.status}: {check.name}: {escape(check.evidence)}", soft_wrap=True)
+    comparison = report.engine_comparison
+    for d in comparison.differences if comparison is not None else ():
+        at = f"{comparison.engine.name} at {1e3 * (comparison.engine.step_s or 0.0):.3g} ms" if comparison else ""
+        text.console.print(
+            f"  {d.channel}: {at} is {d.between_engines:.2g} {d.unit} (rms, whole trials) from our roll-out of the "
+            f"declared model; the recording is {d.ours_to_recording:.2g} {d.unit} from it",
+            soft_wrap=True,
+        )
+    if comparison is not None and comparison.failure:
+        text.console.print(f"  {comparison.engine.name}: {escape(comparison.failure)}", soft_wrap=True)
     rows = [
         {"view": g.view, "before": g.heldout_before, "after": g.heldout_after, "gain": share(g.reduction, g.ci95)}
         for g in report.gains

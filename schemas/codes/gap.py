@@ -48,6 +48,13 @@ GAP_CODES: dict[str, CodeInfo] = {
         "The value cannot mean what its key says.",
         "correct the value; units are SI and stand at the end of the key",
     ),
+    "gap/inertia-below-load": CodeInfo(
+        "error",
+        "A joint's inertia is below that of its load",
+        "A mass m whose centre is l away from the axis has at least m l^2 about it. With less, the mass centre, the "
+        "mass or the inertia is wrong, and no mechanism of these numbers exists.",
+        "give the total inertia about the joint's axis, load included, or correct mass_kg and com_distance_m",
+    ),
     "gap/unreadable-subject": CodeInfo(
         "error",
         "The subject's model cannot be read",

@@ -32,23 +32,26 @@ def statement(
     gains: Sequence[Gain], named: Sequence[NamedEffect], groups: Sequence[AmbiguousGroup], unexplained: bool
 ) -> str:
     """One sentence a person can act on; `gains` (short roll-outs, whole ones) are of all effects, named or in doubt."""
-    gain = gains[0]
     certain = [e for e in named if e.confidence >= NAMED]
     if certain:
         words = " and ".join(f"{e.name} at {e.where} ({_figures(e)})" for e in certain)
         doubted = ", with what is in doubt beside it" if len(certain) < len(named) else ""
-        worse = [f"; whole roll-outs get worse, {share(g.reduction, g.ci95)}" for g in gains[1:] if g.ci95[1] < 0.0]
         tail = "; something structured is left" if unexplained else ""
-        return f"Add {words}: {gained(gain)}{doubted}{''.join(worse)}{tail}."
+        return f"Add {words}: {gained(gains)}{doubted}{tail}."
     if groups and len(groups[0].effects) == 1:
         first = named[0]
         return (
-            f"{first.name} at {first.where} is likely ({_figures(first)}), not sure; to decide: {groups[0].experiment}."
+            f"{first.name} at {first.where} is likely ({_figures(first)}), not sure: {gained(gains)}; "
+            f"to decide: {groups[0].experiment}."
         )
     if groups:
-        return f"These data cannot tell {' from '.join(groups[0].effects)}; to tell: {groups[0].experiment}."
+        return (
+            f"These data cannot tell {' from '.join(groups[0].effects)}: with what is in doubt, {gained(gains)}; "
+            f"to tell: {groups[0].experiment}."
+        )
     if unexplained:
         return "The error has structure that no effect of the library explains; see where it is."
+    gain = gains[0]
     judges = "; a single trial judges that" if math.isinf(gain.ci95[0]) else ""
     if not gain.heldout_after <= _FAR:
         left = f"what is left (rms) is {gain.heldout_after:.2g} times the noise"
@@ -56,10 +59,26 @@ def statement(
     return f"No effect is needed: nothing that is left repeats from trial to trial{judges}."
 
 
-def gained(gain: Gain) -> str:
-    """The reduction of held-out error as text, or that there is none."""
+def gained(gains: Sequence[Gain]) -> str:
+    """The change of held-out error as text, over short roll-outs and over whole ones; of events, which are short."""
+    if gains[0].horizon_s == 0.0:
+        return _change(gains[0], "", "events")
+    over = [f"roll-outs of {g.horizon_s:.3g} s" if g.view == "short_horizon" else "whole roll-outs" for g in gains]
+    if all(g.reduction > 0.0 for g in gains):
+        first, *others = (share(g.reduction, g.ci95) for g in gains)
+        return " and ".join(
+            [f"{first} less held-out error over {over[0]}", *map("{} over {}".format, others, over[1:])]
+        )
+    return ", ".join(_change(g, f" over {words}", words) for g, words in zip(gains, over, strict=True))
+
+
+def _change(gain: Gain, over: str, what: str) -> str:
     how_much = share(gain.reduction, gain.ci95)
-    return f"{how_much} less held-out error" if gain.reduction > 0.0 else f"no less held-out error, {how_much}"
+    if gain.ci95[1] < 0.0:
+        return f"{what} get worse, {how_much}"
+    return (
+        f"{how_much} less held-out error{over}" if gain.reduction > 0.0 else f"no less held-out error{over}, {how_much}"
+    )
 
 
 def share(value: float, ci95: Interval) -> str:

@@ -15,6 +15,7 @@ from simgap.recording.checks.order import check_series
 from simgap.recording.checks.pushes import check_pushes
 from simgap.recording.checks.splits import check_split
 from simgap.recording.reading.columns import Column, declared_columns, sources_of
+from simgap.recording.reading.contact import contact_findings
 from simgap.recording.reading.folder import SPEC_FILE, content_hash, inside, trajectory_files
 from simgap.recording.reading.impact import impact_rows
 from simgap.recording.reading.push import push_trial
@@ -77,7 +78,7 @@ def _read(root: Path) -> Outcome[Measurement]:
     spec, problems = read_spec(document)
     if spec is None:
         return Outcome(None, problems)
-    findings = list(subject_findings(spec, document))
+    findings = [*subject_findings(spec, document), *contact_findings(spec, document)]
     every_joint = subject_joints(root, spec.subject, document)
     joints = tuple(j for j in every_joint if {f"q_{j.name}", f"command_{j.name}"} & set(spec.columns))
     columns, more = declared_columns(spec, [j.name for j in joints], [j.name for j in every_joint], document)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import base64
+import math
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from schemas.gap import GapReport
+from schemas.gap import EngineDifference, GapReport
 from simgap.inference.verdict_text import share
 from simgap.report.decision_table import decision_rows, outcome_counts
 from simgap.report.pictures.ablation import ablation
+from simgap.whole_trials.policy import POLICY
 
 REPORT, PAGE, PICTURES = "report.json", "report.html", "pictures"
 # Order on the page; those that are absent are left out.
@@ -18,7 +20,15 @@ _TITLES = {
     "overlay.png": "measured and simulated motion",
     "unexplained.png": "what the model does not account for",
     "ladder.png": "where the error goes",
+    "engines.png": "whose error: the declared model here and in the user's engine",
 }
+
+
+def engine_share(difference: EngineDifference) -> str:
+    """What the two roll-outs differ by, over the rms error against the recording, as words."""
+    if not math.isfinite(difference.between_engines):
+        return "it diverged"
+    return f"{100.0 * difference.between_engines / max(difference.ours_to_recording, 1e-300):.2g} % of the gap"
 
 
 def render_page(report: GapReport, folder: Path) -> str:
@@ -35,12 +45,13 @@ def render_page(report: GapReport, folder: Path) -> str:
         pictures.append((title, base64.b64encode(data).decode("ascii")))
     loader = PackageLoader("simgap.report", "templates")
     pages = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
-    pages.globals["share"] = share
+    pages.globals |= {"share": share, "engine_share": engine_share}
     rows = decision_rows(report.decisions)
     return pages.get_template("gap.html").render(
         report=report,
         pictures=pictures,
-        name=f"measurement {report.measurement[:12]}",
+        name=report.measurement_name or f"measurement {report.measurement[:12]}",
         decisions=rows,
         counts=outcome_counts(rows),
+        contrast=POLICY.contrast,
     )

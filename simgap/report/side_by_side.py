@@ -56,6 +56,12 @@ def joint_windows(trial: Trial, applied: Applied) -> Windows:
     return windows_of([(applied.recovered(log.series), cut(len(log.series.t_s), None, log.margin))], applied)
 
 
+def read_positions(trial: Trial) -> FloatArray:
+    """(k, j) joint positions as read, at the rows of `joint_windows`."""
+    log = log_of(trial)
+    return log.series.columns["reading"][cut(len(log.series.t_s), None, log.margin).rows[0]]
+
+
 def largest_improvement(declared: list[SideBySide], extended: list[SideBySide], floor: FloatArray) -> tuple[int, int]:
     """Trial and channel where the extension removes most of the error; with none, where the error is greatest.
 

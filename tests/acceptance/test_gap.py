@@ -23,6 +23,7 @@ from simgap.recording.read import read
 from simgap.report.decision_table import decision_rows
 from simgap.result_store import ResultStore
 from simgap.run import answer_key, search
+from simgap.whole_trials.policy import POLICY
 from tests.support.bad_inputs.gap import SAMPLES
 from tests.support.gap_decisions import contradictions
 
@@ -87,15 +88,32 @@ def test_conventions_error_places_and_steps_are_reported(answered: tuple[Path, P
     said = report(answered[1])
     states = {t.name: t.status for t in said.traps}
     assert states["joint_motor_and_damping_off"] == states["joint_inertia_held"] == states["step_size"] == "ok"
-    assert len(said.localisation) >= 5
-    assert all(0.0 <= row.share_of_error <= 1.0 for row in said.localisation)
+    assert said.localisation
+    assert all(row.contrast is not None and row.contrast >= POLICY.contrast for row in said.localisation)
+    assert "door: fast" in said.localisation[0].what  # The hidden friction is viscous.
     assert [s.name for s in said.ladder][:2] == ["declared", "null_refit"]
     assert said.ladder[-2].heldout < 0.5 * said.ladder[0].heldout
 
 
+def test_engine_and_step_are_reported_beside_the_users(answered: tuple[Path, Path]):
+    """A swing at 1/240 s: the engine's part is there, and far below the gap that the friction makes."""
+    said, page = report(answered[1]), (answered[1] / "report.html").read_text()
+    assert said.rollout is not None
+    assert said.rollout.name == "Mana"
+    comparison = said.engine_comparison
+    assert comparison is not None
+    assert comparison.engine.step_s == pytest.approx(1.0 / 240.0)
+    (joint,) = comparison.differences
+    assert 0.0 < joint.between_engines < 0.3 * joint.ours_to_recording
+    assert comparison.engine.name in page
+    assert "Whose error" in page
+
+
 def test_the_page_needs_no_other_file(answered: tuple[Path, Path]):
     page = (answered[1] / "report.html").read_text()
-    assert page.count("data:image/png;base64,") == 3
+    assert "<title>Sim gap: door</title>" in page
+    assert "<h1>Sim gap: door</h1>" in page
+    assert page.count("data:image/png;base64,") == 4
     assert "http" not in page.replace("data:image", "")
     assert "joint.viscous_friction" in page
 
@@ -124,7 +142,7 @@ def test_the_page_is_rendered_again_from_the_report(answered: tuple[Path, Path])
 def test_the_same_folder_gives_the_same_bytes(answered: tuple[Path, Path], tmp_path: Path):
     again = RUN.invoke(app, ["gap", "find", str(answered[0]), "--out", str(tmp_path), "--jobs", "2", "--json"])
     assert again.exit_code == 0
-    files = ["extension.json", *(f"pictures/{n}.png" for n in ("overlay", "ladder", "unexplained"))]
+    files = ["extension.json", *(f"pictures/{n}.png" for n in ("overlay", "ladder", "unexplained", "engines"))]
     assert all((tmp_path / f).read_bytes() == (answered[1] / f).read_bytes() for f in files)
     one, two = (report(f).model_copy(update={"wall_s": 0.0}) for f in (answered[1], tmp_path))
     assert one == two

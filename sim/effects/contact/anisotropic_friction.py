@@ -33,8 +33,13 @@ EFFECT = Effect(
     # Along an axis of which link? A single body answers that, a linkage does not.
     free_body=TossCandidacy(
         observable=lambda r: r.body.has_support and not r.linked,
+        null=lambda r: {"ratio": float(r.body.friction_ratio_B[0])},
         bounds=lambda r: {"ratio": (0.1, 5.0)},
         direct=("turn_of_slides",),
     ),
-    push=PushCandidacy(bounds=lambda r: {"ratio": (0.25, 4.0)}, direct="move_across_force"),
+    push=PushCandidacy(
+        null=lambda r: {"ratio": float(r.body.friction_ratio_B[0])},
+        bounds=lambda r: {"ratio": (0.25, 4.0)},
+        direct="move_across_force",
+    ),
 )

@@ -9,7 +9,7 @@ import numpy as np
 from schemas.gap import Place
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import ModelChange, Params
-from sim.effects.candidacy import Bounds, TossCandidacy
+from sim.effects.candidacy import Bounds, TossCandidacy, Values
 from sim.effects.effect import Confusable, Effect, Export, Parameter
 from sim.effects.ranges import TossRanges
 
@@ -19,6 +19,13 @@ _MOST_DAMPED = 4.0  # times what brakes the swing on the usual spring critically
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
     return replace(model, stiffness_Npm=params["stiffness_Npm"], damping_Nspm=params["damping_Nspm"])
+
+
+def _declared(r: TossRanges) -> Values:
+    """Without a declared spring the contact is as stiff as the engine allows: the parameters' own null values."""
+    if r.body.stiffness_Npm is None or r.body.damping_Nspm is None:
+        return {}
+    return {"stiffness_Npm": r.body.stiffness_Npm, "damping_Nspm": r.body.damping_Nspm}
 
 
 def _bounds(r: TossRanges) -> Bounds:
@@ -44,7 +51,7 @@ EFFECT = Effect(
         Confusable("body.size", "rest without motion: size shifts the height, compliance little"),
     ),
     hook=ModelChange(_change),
-    free_body=TossCandidacy(observable=lambda r: r.body.has_support, bounds=_bounds),
+    free_body=TossCandidacy(observable=lambda r: r.body.has_support, null=_declared, bounds=_bounds),
     export=Export(
         usd="physxMaterial:compliantContactStiffness",
         urdf="contact/stiffness",

@@ -30,7 +30,9 @@ EFFECT = Effect(
     ),
     hook=ModelChange(_change),
     free_body=TossCandidacy(
-        observable=lambda r: r.body.has_support, bounds=lambda r: {"lever_m": (0.0, _LARGEST_LEVER * r.size_m)}
+        observable=lambda r: r.body.has_support,
+        null=lambda r: {"lever_m": r.body.rolling_friction_m},
+        bounds=lambda r: {"lever_m": (0.0, _LARGEST_LEVER * r.size_m)},
     ),
     export=Export(urdf="contact/rolling_friction", urdf_contact={"lever_m": "rolling_friction"}),
 )

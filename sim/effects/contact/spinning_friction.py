@@ -47,7 +47,9 @@ EFFECT = Effect(
     ),
     hook=ModelChange(_change),
     free_body=TossCandidacy(
-        observable=lambda r: r.body.has_support, bounds=lambda r: {"lever_m": (0.0, _LARGEST_LEVER * r.size_m)}
+        observable=lambda r: r.body.has_support,
+        null=lambda r: {"lever_m": r.body.spinning_friction_m},
+        bounds=lambda r: {"lever_m": (0.0, _LARGEST_LEVER * r.size_m)},
     ),
     # What resists spinning follows from the pressure under the body, which is only assumed to be even.
     push=PushCandidacy(

@@ -13,6 +13,7 @@ from geom.mass.inertia import scaled
 from schemas.measurement import MeasurementSpec
 from schemas.physics import CollisionShape, MassProperties
 from sim.dynamics.body_rollout import BodyModel
+from simgap.recording.reading.contact import with_declared_contact
 from simgap.recording.reading.subject import read_subject
 from simgap.recording.reading.urdf import SubjectLink
 
@@ -68,7 +69,7 @@ def _model(
         restitution = link.restitution if link.restitution is not None and "restitution" not in said else restitution
     support = world.support
     normal = np.array(support.plane.normal if support else (0.0, 0.0, 1.0), dtype=float)
-    return BodyModel(
+    body = BodyModel(
         shapes=shapes,
         mass_kg=mass.mass_kg,
         com_B=mass.centre_of_mass_m,
@@ -80,6 +81,7 @@ def _model(
         plane_height_m=support.plane.height_m if support else 0.0,
         has_support=support is not None,
     )
+    return with_declared_contact(body, contact)
 
 
 def _shapes(spec: MeasurementSpec, root: Path) -> tuple[CollisionShape, ...]:

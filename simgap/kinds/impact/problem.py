@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from schemas.arrays import FloatArray, IntArray
-from schemas.gap import ConventionCheck
+from schemas.gap import ConventionCheck, RolloutEngine
 from sim.dynamics.body_rollout import BodyModel
 from sim.effects.ranges import ImpactRanges
 from simgap.kinds.impact.candidates import candidates_of, nuisances_of
@@ -55,6 +55,10 @@ class ImpactProblem(Problem):
     def convention_checks(self) -> tuple[ConventionCheck, ...]:
         """The check of the Jacobians' signs."""
         return (self.convention_check,)
+
+    def own_rollout(self) -> RolloutEngine:
+        """See `simgap.problem.Problem`."""
+        return RolloutEngine(name="Mana", method="law of rigid impacts in closed form, without steps")
 
     def channels(self) -> tuple[str, ...]:
         """Velocity of the tracked point and turning rate after the impact."""

@@ -19,10 +19,8 @@ from schemas.arrays import FloatArray
 from schemas.measurement import Actuation, Joint, MeasurementSpec
 from sim.dynamics.mechanism import Drive, MechanismModel
 from sim.dynamics.tree import Link, Tree
-from simgap.recording.reading.subject import read_subject
+from simgap.recording.reading.subject import INERTIA_ROUNDING, read_subject
 from simgap.recording.reading.urdf import SubjectModel
-
-_LEAST_INERTIA = 1e-9
 
 
 def build_mechanism(spec: MeasurementSpec, root: Path) -> MechanismModel:
@@ -96,8 +94,7 @@ def _link(joint: Joint, parent: int) -> Link:
     load = joint.gravity_load
     mass = load.mass_kg if load else (joint.mass_kg or 0.0)
     lever = load.com_distance_m if load else 0.0
-    about_axis = joint.inertia_kgm2 if joint.inertia_kgm2 is not None else mass * lever**2
-    about_com = max(about_axis - mass * lever**2, _LEAST_INERTIA)
+    about_com = _about_com(joint)
     X_PJ[:3, :3] = Rotation.from_rotvec([0.0, -(load.zero_rad if load else 0.0), 0.0]).as_matrix()
     X_PJ[2, 3] = -joint.parent_offset_m if parent >= 0 else 0.0
     return Link(
@@ -110,6 +107,15 @@ def _link(joint: Joint, parent: int) -> Link:
         com_J=np.array([0.0, 0.0, -lever]),
         inertia_J=np.diag([about_com, about_com, about_com]),
     )
+
+
+def _about_com(joint: Joint) -> float:
+    """Inertia of a turning link about its mass centre, kg m2; 0 for a point mass. Raises ValueError below that."""
+    least = joint.gravity_load.inertia_kgm2 if joint.gravity_load is not None else 0.0
+    about_axis = joint.inertia_kgm2 if joint.inertia_kgm2 is not None else least
+    if about_axis <= 0.0 or about_axis < least * (1.0 - INERTIA_ROUNDING):
+        raise ValueError(f"joint '{joint.name}': {about_axis:g} kg m2 about its axis, its load alone has {least:g}")
+    return max(about_axis - least, 0.0)  # Only rounding is left below 0.
 
 
 def _drive(actuation: Actuation, joints: int) -> Drive:

@@ -24,7 +24,7 @@ from sim.dynamics.hooks import (
     fresh_memory,
     step_value,
 )
-from sim.dynamics.joint_dynamics import joint_dynamics
+from sim.dynamics.joint_dynamics import Configuration, joint_dynamics
 from sim.dynamics.mechanism import SUPPLY, Drive, Law, MechanismModel
 from sim.effects.common.series import with_columns
 from simgap.inference.fit import Errors, Fit, extend, fit, promising_starts, resampling_units
@@ -42,6 +42,28 @@ def balance(
     declared: MechanismModel, logs: Sequence[Log], spans: Sequence[int] = (BLOCKS,)
 ) -> Callable[[Model], list[list[FloatArray]]]:
     """Unexplained acceleration of any model, rad/s2 or m/s2: per span, per trial (b, j); b over averages."""
+
+    def acceleration(applied: Applied, stack: _Stack) -> FloatArray:
+        effort, posture = _unexplained(applied, stack)
+        still = np.zeros_like(effort)
+        return posture.free_rates(still, effort, still[0], np.ones((len(effort), 1))) / stack.magnified
+
+    return _averaged(declared, logs, spans, acceleration)
+
+
+def effort_balance(declared: MechanismModel, logs: Sequence[Log]) -> Callable[[Model], list[FloatArray]]:
+    """Unexplained effort of any model, N m or N: per trial (b, j); b over stretches of one local cubic side by side."""
+    errors = _averaged(declared, logs, (BLOCKS,), lambda applied, stack: _unexplained(applied, stack)[0])
+    return lambda model: errors(model)[0]
+
+
+def _averaged(
+    declared: MechanismModel,
+    logs: Sequence[Log],
+    spans: Sequence[int],
+    quantity: Callable[[Applied, _Stack], FloatArray],
+) -> Callable[[Model], list[list[FloatArray]]]:
+    """Averages of a quantity (n, j) of all rows: per span, per trial (b, j)."""
     logs = [_inner(log) for log in logs]
     averages = tuple(_averages(logs, span) for span in spans)
     stacks: dict[object, _Stack] = {}  # the last one: slopes of other terms leave readings and inputs as they are
@@ -52,7 +74,7 @@ def balance(
             stacks.clear()
             stacks[applied.maps] = _stack(logs, applied)
         stack = stacks[applied.maps]
-        rest = _unexplained(applied, stack) / stack.magnified
+        rest = quantity(applied, stack)
         return [np.split(a.matrix @ rest, a.ends) for a in averages]
 
     return errors
@@ -191,8 +213,8 @@ def _rms(values: FloatArray) -> FloatArray:
     return np.sqrt((values**2).mean(axis=0)) + 1e-12
 
 
-def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
-    """Acceleration (n, j) that the model cannot account for at each row.
+def _unexplained(applied: Applied, stack: _Stack) -> tuple[FloatArray, Configuration]:
+    """Effort (n, j) that the model cannot account for at each row, and the postures there.
 
     Near standstill dry friction can take any value: the error there is only what exceeds it.
     """
@@ -221,9 +243,7 @@ def _unexplained(applied: Applied, stack: _Stack) -> FloatArray:
                 now = state._replace(friction=limit[one], direction=d)
                 limit[one] += step_value(law.hook, now, law.params, fresh_memory(law.hook, q[one].shape))
     rest = required_effort - given - passive
-    rest = rest + _friction(rest, qd, largest, stack.qd_noise)
-    still = np.zeros_like(q)
-    return posture.free_rates(still, rest, still[0], np.ones((len(q), 1)))
+    return rest + _friction(rest, qd, largest, stack.qd_noise), posture
 
 
 def _mapped(hook: EffortMap, law: Law, state: JointState, spans: Sequence[tuple[int, int]]) -> FloatArray:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import ConventionCheck
+from schemas.gap import ConventionCheck, RolloutEngine
 from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import MechanismModel, rollout
 from simgap.inference.losses import paired_p, trial_losses
@@ -92,6 +92,11 @@ class MechanismProblem(Problem):
     def declared_mechanism(self) -> MechanismModel:
         """See `simgap.problem.Problem`."""
         return self.declared
+
+    def own_rollout(self) -> RolloutEngine:
+        """See `simgap.problem.Problem`."""
+        method = "joint dynamics in second-order steps (kick, drift, kick) between the rows"
+        return RolloutEngine(name="Mana", method=method, step_s=self.logs.step_s)
 
     def joint_motion(self, trial: str) -> JointMotion:
         """See `simgap.problem.Problem`."""

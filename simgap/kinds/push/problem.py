@@ -11,7 +11,7 @@ from dataclasses import fields
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import ConventionCheck
+from schemas.gap import ConventionCheck, RolloutEngine
 from sim.dynamics.body_rollout import BodyModel
 from simgap.kinds.push.candidates import candidates_of, nuisances_of, ranges_of
 from simgap.kinds.push.direct_estimates import estimate
@@ -21,6 +21,7 @@ from simgap.kinds.push.records import PATH_STEPS, STEADY_FROM_SHARE, Records, en
 from simgap.kinds.push.sliding import plane_rotations, simulate_pushes
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, View
 from simgap.recording.read import Measurement
+from simgap.recording.reading.contact import with_declared_contact
 
 _LEAST_M, _LEAST_N = 1e-5, 1e-3
 _WORKS = 0.8  # least share of pushes whose force must do work
@@ -50,6 +51,10 @@ class PushProblem(Problem):
     def convention_checks(self) -> tuple[ConventionCheck, ...]:
         """The check of the forces' sign."""
         return (self._force_check(),)
+
+    def own_rollout(self) -> RolloutEngine:
+        """See `simgap.problem.Problem`; no speed enters, so there is no step of time."""
+        return RolloutEngine(name="Mana", method="quasi-static pushing on an ellipsoidal limit surface, row by row")
 
     def channels(self) -> tuple[str, ...]:
         """Move and turn by the push and mean steady force, axes of the body before the push."""
@@ -179,4 +184,5 @@ def _declared(measurement: Measurement, whole: Records) -> PushModel:
     )
     standoff = max(float(np.median(end_distance(outline, whole))), 0.0)
     friction = subject.contact.friction
+    body = with_declared_contact(body, subject.contact)
     return PushModel(body, outline, even_points(foot), friction, max(friction, 1e-3), standoff)

@@ -7,10 +7,12 @@ from typing import NamedTuple
 
 from formats import read_urdf
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
-from schemas.measurement import MeasurementSpec, Subject
+from schemas.measurement import Joint, MeasurementSpec, Subject
 from simgap.recording.reading.folder import inside
 from simgap.recording.reading.urdf import SubjectModel, movable_joints, read_description, subject_model
 from simgap.recording.reading.yaml_text import YamlDocument
+
+INERTIA_ROUNDING = 1e-6  # share by which a point mass written with seven digits may fall short of its own product
 
 
 class JointInfo(NamedTuple):
@@ -71,15 +73,28 @@ def subject_findings(spec: MeasurementSpec, document: YamlDocument) -> tuple[Dia
     names = [joint.name for joint in subject.joints]
     for k, joint in enumerate(subject.joints):
         place = document.place(("subject", "joints", k))
-        turning = joint.type == "revolute"
-        if (joint.inertia_kgm2 or joint.gravity_load) is None if turning else joint.mass_kg is None:
-            key = "inertia_kgm2" if turning else "mass_kg"
-            findings.append(
-                finding("gap/missing-key", f"joint '{joint.name}' is {joint.type}: it needs {key}", where=place)
-            )
+        findings += _inertia_findings(joint, k, document)
         if joint.name in names[:k]:
             findings.append(finding("gap/invalid-value", f"two joints are called '{joint.name}'", where=place))
     return tuple(findings)
+
+
+def _inertia_findings(joint: Joint, k: int, document: YamlDocument) -> list[Diagnostic]:
+    """Errors for the joint `k` of the table: no inertia, or less than its load alone has."""
+    load = joint.gravity_load.inertia_kgm2 if joint.gravity_load is not None else 0.0
+    inertia = joint.mass_kg if joint.type == "prismatic" else joint.inertia_kgm2 or load
+    if not inertia:
+        key = "mass_kg" if joint.type == "prismatic" else "inertia_kgm2"
+        text = f"joint '{joint.name}' is {joint.type}: it needs {key}"
+        return [finding("gap/missing-key", text, where=document.place(("subject", "joints", k)))]
+    if joint.type == "prismatic" or inertia >= load * (1.0 - INERTIA_ROUNDING):
+        return []
+    text = (
+        f"joint '{joint.name}' has an inertia of {inertia:.6g} kg m2 about its axis; its load alone has "
+        f"mass_kg * com_distance_m^2 = {load:.6g} kg m2"
+    )
+    place = document.place(("subject", "joints", k, "inertia_kgm2"), of_key=True)
+    return [finding("gap/inertia-below-load", text, where=place, value=inertia, bound=load, unit="kg m2")]
 
 
 def read_subject(subject: Subject, root: Path) -> SubjectModel:

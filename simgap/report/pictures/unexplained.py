@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from render.figure import figure, png, style_axes
 from schemas.arrays import FloatArray
 from schemas.gap import Place
 from sim.dynamics.mechanism import MechanismModel
 from sim.effects.library import effect
-from simgap.kinds.mechanism.equation_error import balance
+from simgap.kinds.mechanism.equation_error import effort_balance
 from simgap.kinds.mechanism.logs import Log, log_of
 from simgap.problem import Model
 from simgap.recording.read import Measurement
@@ -25,10 +26,18 @@ def unexplained(
     declared: MechanismModel, measurement: Measurement, model: Model, name: str, where: Place, trials: Sequence[str]
 ) -> bytes | None:
     """PNG for the effect `name` of `model`; None where the blocks of the recording cannot be distinguished."""
+    canvas = unexplained_figure(declared, measurement, model, name, where, trials)
+    return None if canvas is None else png(canvas)
+
+
+def unexplained_figure(
+    declared: MechanismModel, measurement: Measurement, model: Model, name: str, where: Place, trials: Sequence[str]
+) -> Figure | None:
+    """The picture before it is drawn: efforts in N m (N of a sliding joint), states in SI."""
     logs = [log_of(t) for t in measurement.trials if t.id in set(trials)]
-    effort = balance(declared, logs)
+    effort = effort_balance(declared, logs)
     joint = next((j for j, link in enumerate(declared.tree) if link.name == where.joint), 0)
-    without, with_law = (np.concatenate([e[:, joint] for e in effort(m)[0]]) for m in ((), model))
+    without, with_law = (np.concatenate([e[:, joint] for e in effort(m)]) for m in ((), model))
     state, words = _feature(declared, logs, joint, name)
     if len(state) != len(without):
         return None
@@ -48,7 +57,7 @@ def unexplained(
         axes, words, f"unexplained effort ({unit})", f"What acts on {link.name} beyond the declared model: {name}"
     )
     axes.legend(frameon=False, fontsize=9)
-    return png(canvas)
+    return canvas
 
 
 def _feature(declared: MechanismModel, logs: Sequence[Log], joint: int, name: str) -> tuple[FloatArray, str]:

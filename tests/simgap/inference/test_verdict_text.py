@@ -63,12 +63,30 @@ def test_an_error_that_is_no_number_is_not_called_fine():
 
 def test_the_sentence_tells_the_gain_of_the_report():
     words = statement([gain(0.5, 0.3)], [friction(1.0)], [], False)
-    assert words == "Add contact.friction at body-support (mu = 0.2): 50% (30% to 70%) less held-out error."
+    figures = "50% (30% to 70%) less held-out error over roll-outs of 0.08 s"
+    assert words == f"Add contact.friction at body-support (mu = 0.2): {figures}."
+
+
+def test_every_headline_with_effects_quotes_short_and_whole_roll_outs():
+    """Half an error less over 80 ms may be nothing over whole trials: both are said, whatever the status."""
+    whole = gain(0.9, 0.8).model_copy(update={"view": "full_rollout", "horizon_s": 0.0, "ci95": (0.8, 0.95)})
+    gains = [gain(0.5, 0.3), whole]
+    figures = "50% (30% to 70%) less held-out error over roll-outs of 0.08 s and 90% (80% to 95%) over whole roll-outs"
+    alone = AmbiguousGroup(effects=("contact.friction",), experiment="slide it")
+    pair = AmbiguousGroup(effects=("contact.friction", "body.mass"), experiment="weigh it")
+    assert figures in statement(gains, [friction(1.0)], [], False)
+    assert figures in statement(gains, [friction(0.4)], [alone], False)
+    assert figures in statement(gains, [friction(0.4)], [pair], False)
+
+
+def test_events_have_one_figure():
+    both = [gain(0.5, 0.3).model_copy(update={"horizon_s": 0.0})] * 2
+    assert statement(both, [friction(1.0)], [], False).endswith("50% (30% to 70%) less held-out error.")
 
 
 def test_a_name_that_takes_no_error_away_is_not_sold_as_if_it_did():
     words = statement([gain(-0.08, -0.3)], [friction(1.0)], [], False)
-    assert words.endswith("no less held-out error, -8% (-30% to 70%).")
+    assert words.endswith("no less held-out error over roll-outs of 0.08 s, -8% (-30% to 70%).")
 
 
 @pytest.mark.parametrize(("highest", "told"), [(-0.04, True), (0.02, False)])
@@ -81,4 +99,4 @@ def test_whole_roll_outs_that_surely_get_worse_are_told(highest, told):
 def test_what_is_in_doubt_is_told_where_its_gain_is_counted():
     doubt = AmbiguousGroup(effects=("body.inertia",), experiment="spin it")
     words = statement([gain(0.5, 0.3)], [friction(1.0), friction(0.4)], [doubt], True)
-    assert words.endswith("less held-out error, with what is in doubt beside it; something structured is left.")
+    assert words.endswith("roll-outs of 0.08 s, with what is in doubt beside it; something structured is left.")

@@ -282,6 +282,7 @@ SAMPLES: dict[str, Writer] = {
     "gap/file-too-large": spec_text(FREE + "#" * 1_000_001),
     "gap/unknown-key": spec_text(FREE.replace("mass_kg", "mass")),
     "gap/missing-key": spec_text(FREE.replace("  mass_kg: 0.3\n", "")),
+    "gap/inertia-below-load": spec_text(HINGE.replace("inertia_kgm2: 0.01", "inertia_kgm2: 0.001")),
     "gap/invalid-value": spec_text(FREE.replace("mass_kg: 0.3", "mass_kg: -0.3")),
     "gap/unreadable-subject": lambda folder: file_in(
         "../box.urdf", "<robot>", tossed(spec=FREE.replace("  box: {size_m: [0.1, 0.06, 0.04]}", "  urdf: box.urdf"))

@@ -1,0 +1,1 @@
+"""Tests of the comparison with the engine of the user."""
