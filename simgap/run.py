@@ -29,6 +29,7 @@ from simgap.report.localise_error import localise_error
 from simgap.report.pictures.ablation import ablation
 from simgap.report.pictures.engines import engines
 from simgap.report.pictures.events import outcomes
+from simgap.report.pictures.left_over import left_over
 from simgap.report.pictures.overlay import overlay
 from simgap.report.pictures.unexplained import unexplained
 from simgap.report.side_by_side import largest_improvement, side_by_side
@@ -191,6 +192,9 @@ def _pictures(case: Case, result: SearchResult, rollouts: EngineRollouts | None)
         ids = (*case.trials.train, *case.trials.test)
         picture = unexplained(mechanism, case.measurement, final, best.effect.name, best.where, ids)
         drawn |= {"unexplained.png": picture} if picture else {}
+    if result.report.verdict.status == "outside_model_class" and mechanism is not None:
+        picture = left_over(mechanism, case.measurement, final, (*case.trials.train, *case.trials.test))
+        drawn |= {"left_over.png": picture} if picture else {}
     return drawn
 
 

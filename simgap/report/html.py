@@ -19,6 +19,7 @@ REPORT, PAGE, PICTURES = "report.json", "report.html", "pictures"
 _TITLES = {
     "overlay.png": "measured and simulated motion",
     "unexplained.png": "what the model does not account for",
+    "left_over.png": "what the best model of the library leaves: by position, speed and time",
     "ladder.png": "where the error goes",
     "engines.png": "whose error: the declared model here and in the user's engine",
 }

@@ -80,13 +80,29 @@ def judge(
             groups.append(AmbiguousGroup(effects=names, experiment=experiment_for(term.candidate, alternatives)))
     certain = any(e.confidence >= NAMED for e in named)
     unexplained = not check.explains.kept
+    if strange:
+        words = STRANGE
+    else:
+        words = _outside(gains[-1], named) if unexplained else statement(gains, named, groups, False)
     verdict = Verdict(
         status="outside_model_class" if unexplained or strange else status(certain, bool(groups), False),
         effects=tuple(named),
         ambiguous_groups=tuple(groups),
-        statement=STRANGE if strange else statement(gains, named, groups, unexplained),
+        statement=STRANGE
+        if strange
+        else _outside(gains[-1], named)
+        if unexplained
+        else statement(gains, named, groups, False),
     )
     return Judgement(verdict, tuple(decisions), direct)
+
+
+def _outside(whole: Gain, named: Sequence[NamedEffect]) -> str:
+    """The sentence where no model explains whole trials: how much is left, and what comes nearest."""
+    left = f"{whole.heldout_after:.3g} noise levels (rms) are left of {whole.heldout_before:.3g}"
+    near = " and ".join(f"{e.name} at {e.where}" for e in named)
+    nearest = f"; what comes nearest is {near}, not sure" if named else ""
+    return f"Something outside the library acts: no model of it brings whole trials down to the noise, {left}{nearest}."
 
 
 def experiment_for(candidate: Candidate, alternatives: Sequence[Candidate]) -> str:

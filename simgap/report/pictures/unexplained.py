@@ -16,9 +16,9 @@ from simgap.kinds.mechanism.equation_error import effort_balance
 from simgap.kinds.mechanism.logs import Log, log_of
 from simgap.problem import Model
 from simgap.recording.read import Measurement
+from simgap.report.pictures.binned import binned_medians, block_means
 from simgap.report.pictures.colours import EXTENDED, MEASURED
 
-_BINS = 40
 _MOST_POINTS = 4000
 
 
@@ -47,7 +47,7 @@ def unexplained_figure(
     axes = canvas.subplots()
     thin = np.s_[:: max(1, len(state) // _MOST_POINTS)]
     axes.plot(state[thin], without[thin], ".", color=MEASURED, markersize=2.5, alpha=0.35, label="from the recording")
-    x, y = _binned(state, without - with_law)
+    x, y = binned_medians(state, without - with_law)
     axes.plot(x, y, color=EXTENDED, linewidth=2.2, label="the fitted effects")
     low, high = np.quantile(without, [0.005, 0.995])
     room = 0.25 * max(high - low, 1e-12)
@@ -71,21 +71,4 @@ def _feature(declared: MechanismModel, logs: Sequence[Log], joint: int, name: st
         pick, words = (lambda log: log.series.columns[given][:, joint]), f"{given} as logged"
     else:
         pick, words = (lambda log: log.series.columns["qd"][:, joint]), f"speed ({'m/s' if slides else 'rad/s'})"
-    return np.concatenate([_block_means(log, pick(log)) for log in logs]), words
-
-
-def _block_means(log: Log, values: FloatArray) -> FloatArray:
-    """Means over the blocks that `balance` uses."""
-    m = log.margin
-    inner = values if len(values) < 4 * m else values[m:-m]
-    starts = np.arange(0, max(len(inner) - log.block // 2, 1), log.block)
-    return np.add.reduceat(inner, starts) / np.diff(np.append(starts, len(inner)))
-
-
-def _binned(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Medians in bins of equal width that hold enough points."""
-    low, high = np.quantile(x, [0.002, 0.998])
-    edges = np.linspace(low, high, _BINS + 1)
-    which = np.digitize(x, edges) - 1
-    full = [b for b in range(_BINS) if (which == b).sum() >= 3]
-    return np.array([np.median(x[which == b]) for b in full]), np.array([np.median(y[which == b]) for b in full])
+    return np.concatenate([block_means(log, pick(log)) for log in logs]), words
