@@ -88,11 +88,7 @@ def judge(
         status="outside_model_class" if unexplained or strange else status(certain, bool(groups), False),
         effects=tuple(named),
         ambiguous_groups=tuple(groups),
-        statement=STRANGE
-        if strange
-        else _outside(gains[-1], named)
-        if unexplained
-        else statement(gains, named, groups, False),
+        statement=words,
     )
     return Judgement(verdict, tuple(decisions), direct)
 
