@@ -230,6 +230,10 @@ class TrialSystem(Protocol):
         """
         ...
 
+    def finer(self) -> TrialSystem:
+        """The same in smaller steps: dearer, and for comparisons with the noise."""
+        ...
+
     def with_noise_from(self, model: Model, starts: FloatArray) -> TrialSystem:
         """The same with the noise level that a model's errors show from row to row; single wild rows are left out."""
         ...

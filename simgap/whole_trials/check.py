@@ -7,6 +7,7 @@ trial only a right model comes down to the noise.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from simgap.problem import Model, TrialSystem
 from simgap.whole_trials.fit_model import ModelFit
 from simgap.whole_trials.ladder import starts_on
 from simgap.whole_trials.policy import Policy
+from simgap.whole_trials.search_models import ModelSearch
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,20 @@ def check_whole_trials(
         ]
     )
     return WholeTrialCheck(_mean_squares(before), _mean_squares(after), explains)
+
+
+def confirmed(system: TrialSystem, search: ModelSearch, policy: Policy) -> ModelSearch:
+    """The search up to the first effect with which the test trials do worse: they have the last word.
+
+    Trials that an effect does not reach do neither better nor worse.
+    """
+    fits = [starts_on(system, model.fit.model, policy) for model in search.sizes]
+    for size, (before, after) in enumerate(pairwise(fits)):
+        lost = float((after.losses - before.losses).sum() / after.rows.sum())
+        test = criterion("loss per row that test trials gain with it", lost, "<=", policy.least_lead)
+        if not test.holds:
+            return search.up_to(size, decide([(Reason.TEST_TRIALS_WORSE, test)]))
+    return search
 
 
 def _comes_down(which: str, before: ModelFit, after: ModelFit, policy: Policy) -> Criterion:

@@ -27,7 +27,7 @@ from simgap.problem import Candidate, Model, Problem
 from simgap.recording.train_test_split import Trials
 from simgap.sanity.input_pairing import other_inputs_check, pairing_check
 from simgap.search_result import SearchResult, baseline_of, extension_of, gain_between, gain_of, rms_in_noise_levels
-from simgap.whole_trials.check import check_whole_trials
+from simgap.whole_trials.check import check_whole_trials, confirmed
 from simgap.whole_trials.confidence_set import ConfidenceSet, confidence_set
 from simgap.whole_trials.judge import Judgement, judge
 from simgap.whole_trials.ladder import ladder_of
@@ -54,6 +54,8 @@ def find_on_whole_trials(
     assert judged is not None
     ladder = ladder_of(taught, problem.nuisances(), policy)
     search = search_models(ladder, problem.candidates(), policy, 0 if mixed_up else None)
+    judged = judged.finer()
+    search = confirmed(judged, search, policy)
     models = confidence_set(search, policy)
     null, final = search.null.fit.model, search.chosen.fit.model
     check = check_whole_trials(judged, null, final, (search.null.fit, search.chosen.fit), policy)

@@ -19,11 +19,11 @@ from schemas.arrays import BoolArray, FloatArray
 from simgap.problem import Model, Term, TrialSystem
 from simgap.whole_trials.policy import Policy
 
-_DIFFERENCE = 2e-3  # of a parameter's range: step of differences
+_DIFFERENCE = 1e-6  # of a parameter's range: larger ones tell apart what scales together
 _LARGEST_ERROR = 1e4  # noise levels beyond which an error counts no more: what is further off has diverged
 _START_PRIOR = 1e-3  # precision that holds a start in place, in its steps: a start may be of no effect
 _DAMPING, _MOST_DAMPING, _TRIALS = 1e-3, 1e6, 6
-_SINGULAR = 1e-9
+_SINGULAR = 1e-12
 _AT_BOUND = 1e-3  # of a range
 _FIXED = 1e-5  # range of a value that bounds fix
 _MOST_CORRELATION = 0.98
@@ -206,11 +206,19 @@ def _product(transposed: FloatArray, errors: FloatArray) -> FloatArray:
 
 
 def solve_safely(matrix: FloatArray, right: FloatArray) -> FloatArray:
-    """The smallest solution (p,) of a symmetric system that may be singular."""
+    """The solution (p,) of a symmetric system that may be nearly singular; each unknown is scaled by its own term."""
     if not len(right):
         return right
-    eased = matrix + _SINGULAR * max(float(np.trace(matrix)) / len(right), 1e-300) * np.eye(len(right))
-    return np.asarray(np.linalg.lstsq(eased, right, rcond=1e-12)[0], dtype=float)
+    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    eased = matrix / np.outer(scale, scale) + _SINGULAR * np.eye(len(right))
+    return np.asarray(np.linalg.solve(eased, right / scale), dtype=float) / scale
+
+
+def inverse_of(matrix: FloatArray) -> FloatArray:
+    """The inverse (p, p) of a symmetric matrix that may be nearly singular, scaled in the same way."""
+    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    eased = matrix / np.outer(scale, scale) + _SINGULAR * np.eye(len(scale))
+    return np.asarray(np.linalg.inv(eased), dtype=float) / np.outer(scale, scale)
 
 
 def clipped(errors: FloatArray) -> FloatArray:
@@ -362,11 +370,12 @@ def half_widths(fit: ModelFit, quantile: float) -> dict[str, dict[str, float]]:
     if not len(space.low):
         return {}
     information = fit.trial_information.sum(axis=0) + np.diag(space.prior_precision * space.span**2)
-    inverse = np.linalg.pinv(information, rcond=1e-12, hermitian=True)
+    information = information + np.diag(np.where(space.span < _FIXED, 1.0, 0.0))
+    inverse = inverse_of(information)
     trials = len(fit.gradients)
     spread = fit.gradients - fit.gradients.mean(axis=0)
     clustered = inverse @ (spread.T @ spread) @ inverse * trials / max(trials - 1, 1)
     noise = inverse * fit.dispersion
     error = np.sqrt(np.maximum(np.maximum(np.diag(clustered), np.diag(noise)), 0.0)) * space.span
-    widths = iter(quantile * error)
+    widths = iter(np.where(space.span < _FIXED, 0.0, quantile * error))
     return {t.candidate.key: {n: float(next(widths)) for n in t.values} for t in fit.model}

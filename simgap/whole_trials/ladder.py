@@ -18,15 +18,15 @@ from simgap.whole_trials.policy import Policy
 
 @dataclass(frozen=True)
 class Ladder:
-    """The rungs from the shortest pieces to whole trials, and the null model fitted on each."""
+    """The rungs from the shortest pieces to whole trials, and the null model fitted on each.
+
+    finest   whole trials in finer steps, on which models are compared, and the null fitted there.
+    """
 
     rungs: tuple[TrialSystem, ...]
     nulls: tuple[ModelFit, ...]
-
-    @property
-    def whole(self) -> TrialSystem:
-        """The last rung."""
-        return self.rungs[-1]
+    finest: TrialSystem
+    null: ModelFit
 
 
 def ladder_of(system: TrialSystem, nuisances: tuple[Candidate, ...], policy: Policy) -> Ladder:
@@ -36,8 +36,9 @@ def ladder_of(system: TrialSystem, nuisances: tuple[Candidate, ...], policy: Pol
     fits = _climbed(rungs, null, None, policy)
     system = system.with_noise_from(fits[-1].model, fits[-1].starts)
     rungs = _rungs(system, policy)
-    *shorter, last = _climbed(rungs, null, None, policy)
-    return Ladder(rungs, (*shorter, fit_model(system, last.model, last.starts, policy)))
+    nulls = _climbed(rungs, null, None, policy)
+    finest = system.finer()
+    return Ladder(rungs, nulls, finest, fit_model(finest, nulls[-1].model, nulls[-1].starts, policy))
 
 
 def _rungs(system: TrialSystem, policy: Policy) -> tuple[TrialSystem, ...]:

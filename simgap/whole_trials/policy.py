@@ -51,7 +51,7 @@ class Policy:
     pieces: tuple[int, ...] = (16, 4)
     begins: int = 2
     rung_iterations: int = 4
-    polished: int = 4
+    polished: int = 6
     iterations: int = 12
     least_step: float = 0.5
     contrast: float = 1.25

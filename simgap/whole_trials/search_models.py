@@ -9,13 +9,15 @@ nothing.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from schemas.arrays import FloatArray
 from schemas.gap import Reason
 from simgap.inference.decision import Decision, criterion, decide
-from simgap.problem import Candidate, Term
-from simgap.whole_trials.fit_model import ModelFit, fit_model, linearise, loss_at
+from simgap.problem import Candidate, Model, Term, TrialSystem
+from simgap.whole_trials.fit_model import ModelFit, Space, fit_model, linearise, loss_at, vector_of
 from simgap.whole_trials.held_out import held_out_losses, p_of_no_better
 from simgap.whole_trials.ladder import Ladder, climb
 from simgap.whole_trials.policy import Policy
@@ -39,7 +41,7 @@ class FittedModel:
 
 @dataclass(frozen=True)
 class Growth:
-    """One step of the search: models of one size, best first, the scores behind them, and whether it was entered."""
+    """One step of the search: the best models of one size, in order, the scores behind them, whether it was entered."""
 
     models: tuple[FittedModel, ...]
     scores: tuple[Score, ...]
@@ -59,6 +61,16 @@ class ModelSearch:
         return sum(g.entered.kept for g in self.growths)
 
     @property
+    def sizes(self) -> tuple[FittedModel, ...]:
+        """The best model of each size that was entered, from the null on."""
+        return (self.null, *(g.models[0] for g in self.growths[: self.size]))
+
+    def up_to(self, size: int, reason: Decision) -> ModelSearch:
+        """The search as if the size after `size` had not been entered, for this reason."""
+        refused = replace(self.growths[size], entered=reason)
+        return ModelSearch(self.null, (*self.growths[:size], refused))
+
+    @property
     def chosen(self) -> FittedModel:
         """The best model of the last size that was entered."""
         return self.growths[self.size - 1].models[0] if self.size else self.null
@@ -68,7 +80,7 @@ def search_models(
     ladder: Ladder, candidates: Sequence[Candidate], policy: Policy, most: int | None = None
 ) -> ModelSearch:
     """Models of at most `most` effects (0: the null alone)."""
-    null = _fitted(ladder.nulls[-1])
+    null = _fitted(ladder.null)
     parents, growths = [Parent(null, ladder.nulls)], []
     for _ in range(policy.most_effects if most is None else most):
         growth = _grow(ladder, parents, candidates, policy)
@@ -83,7 +95,7 @@ def search_models(
 
 @dataclass(frozen=True)
 class Parent:
-    """A model to extend, fitted on every rung: the last of `rungs` is its own fit."""
+    """A model to extend, and what it leaves on every rung."""
 
     model: FittedModel
     rungs: tuple[ModelFit, ...]
@@ -94,12 +106,12 @@ def _fitted(fit: ModelFit) -> FittedModel:
 
 
 def _on_rungs(ladder: Ladder, fit: ModelFit, policy: Policy) -> tuple[ModelFit, ...]:
-    """A fitted model's starts on each shorter rung, its values unchanged."""
-    shorter = [
-        fit_model(system, fit.model, null.starts, policy, fixed=True, iterations=policy.rung_iterations)
-        for system, null in zip(ladder.rungs[:-1], ladder.nulls[:-1], strict=True)
-    ]
-    return (*shorter, fit)
+    """A fitted model's starts on each rung, its values unchanged."""
+    known = (*(null.starts for null in ladder.nulls[:-1]), fit.starts)
+    return tuple(
+        fit_model(system, fit.model, starts, policy, fixed=True, iterations=policy.rung_iterations)
+        for system, starts in zip(ladder.rungs, known, strict=True)
+    )
 
 
 def _grow(ladder: Ladder, parents: Sequence[Parent], candidates: Sequence[Candidate], policy: Policy) -> Growth | None:
@@ -120,10 +132,9 @@ def _grow(ladder: Ladder, parents: Sequence[Parent], candidates: Sequence[Candid
     if not fits:
         return None
     by_loss = sorted(fits.values(), key=lambda f: float(f.losses.sum()))
-    whole = ladder.whole
-    polished = [fit_model(whole, f.model, f.starts, policy) for f in by_loss[: policy.polished]]
-    ordered = tuple(sorted(map(_fitted, (*polished, *by_loss[policy.polished :])), key=lambda m: m.order))
-    return Growth(ordered, first, _enters(ladder.nulls[-1], parents[0].model, ordered[0], len(candidates), policy))
+    polished = [_polished(ladder.finest, f, policy) for f in by_loss[: policy.polished]]
+    ordered = tuple(sorted(map(_fitted, polished), key=lambda m: m.order))
+    return Growth(ordered, first, _enters(ladder.null, parents[0].model, ordered[0], len(candidates), policy))
 
 
 def _promising(by_rung: Sequence[Sequence[Score]], policy: Policy) -> list[Candidate]:
@@ -149,10 +160,40 @@ def _extended(
     fits = []
     for rung in [r for r in best if own[r].begins]:
         below = parent.rungs[rung]
-        begun = [(*below.model, Term(candidate, values)) for values in own[rung].begins]
+        begun = [extended_model(below.model, Term(candidate, values)) for values in own[rung].begins]
         model = min(begun, key=lambda m: loss_at(ladder.rungs[rung], m, below.starts))
         fits.append(climb(ladder, rung, model, below.starts, policy))
     return min(fits, key=lambda f: float(f.losses.sum()))
+
+
+def _polished(system: TrialSystem, fit: ModelFit, policy: Policy) -> ModelFit:
+    """The fit continued to the end, and again with nuisances back at what is declared, where they reached a bound.
+
+    They may have gone there before an effect that now does their work was there.
+    """
+    ended = fit_model(system, fit.model, fit.starts, policy)
+    inside = Space.of(ended.model).inside(vector_of(ended.model))
+    nuisance = np.array([t.candidate.nuisance for t in ended.model for _ in t.values], dtype=bool)
+    if not (nuisance & ~inside).any():
+        return ended
+    model = tuple(Term(t.candidate, dict(t.candidate.null)) if t.candidate.nuisance else t for t in ended.model)
+    again = fit_model(system, model, ended.starts, policy)
+    return min((ended, again), key=_cost)
+
+
+def _cost(fit: ModelFit) -> float:
+    return float(fit.losses.sum()) + Space.of(fit.model).penalty(vector_of(fit.model))
+
+
+def extended_model(model: Model, added: Term) -> Model:
+    """The model with a further term, which takes the place of the nuisance of the same number."""
+    new = added.candidate
+
+    def same_number(term: Term) -> bool:
+        old = term.candidate
+        return old.nuisance and (old.effect.name, old.where, old.variant) == (new.effect.name, new.where, new.variant)
+
+    return (*(t for t in model if not same_number(t)), added)
 
 
 def _enters(null: ModelFit, before: FittedModel, after: FittedModel, candidates: int, policy: Policy) -> Decision:

@@ -22,6 +22,7 @@ from simgap.problem import Model
 
 _DIVERGED = 1e6  # noise levels
 _MOST_CACHED = 64  # maps of inputs and readings whose windows are kept
+_FINER_STEPS = 4.0  # than windows need: over whole trials at the plain step controls stay 8 % above the noise
 _FINER = 4  # rows in the place of one where inputs act between rows
 _FEWEST_ROWS = 16  # of a piece of a trial
 _GAP = 1.5  # median intervals; a longer one lacks a row
@@ -140,6 +141,10 @@ class MechanismTrials:
         """See `TrialSystem`."""
         longest = max(len(log.series.t_s) for log in self.logs)
         return replace(self, count=count) if longest / count >= _FEWEST_ROWS else None
+
+    def finer(self) -> MechanismTrials:
+        """See `TrialSystem`."""
+        return replace(self, step_s=self.step_s / _FINER_STEPS)
 
     def with_noise_from(self, model: Model, starts: FloatArray) -> MechanismTrials:
         """See `TrialSystem`: the noise from second differences, which what moves smoothly hardly changes."""

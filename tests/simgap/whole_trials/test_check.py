@@ -55,6 +55,9 @@ class Drawn:
     def pieces(self, count: int) -> None:
         return None
 
+    def finer(self) -> Drawn:
+        return self
+
     def with_noise_from(self, model: Model, starts: FloatArray) -> Drawn:
         return self
 
