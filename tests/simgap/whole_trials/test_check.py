@@ -2,99 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import pytest
 
-from schemas.arrays import FloatArray
-from simgap.problem import Candidate, Model, Term
-from simgap.whole_trials.check import check_whole_trials
+from simgap.problem import Term
+from simgap.whole_trials.check import check_whole_trials, confirmed
 from simgap.whole_trials.confidence_set import confidence_set
 from simgap.whole_trials.fit_model import fit_model, half_widths, losses
 from simgap.whole_trials.held_out import held_out_losses
-from simgap.whole_trials.ladder import ladder_of
 from simgap.whole_trials.policy import POLICY
-from simgap.whole_trials.search_models import ModelSearch, search_models
-
-TRIALS, ROWS = 12, 80
-T = np.linspace(0.0, 1.0, ROWS)
-SHAPES = {"ramp": T, "bow": T * (1.0 - T), "wave": np.sin(9.0 * T), "twin": 2.0 * T * (1.0 - T)}
-
-
-class Drawn:
-    """Lines of trials: a free start each, the sum of shapes times the trial's load, noise of one."""
-
-    def __init__(self, truth: dict[str, float], outside: float = 0.0, seed: int = 0) -> None:
-        rng = np.random.default_rng(seed)
-        self.loads = 1.0 + rng.random(TRIALS)
-        starts = rng.normal(scale=30.0, size=TRIALS)
-        wild = outside * np.cos(23.0 * T)[None] * rng.normal(size=(TRIALS, 1))
-        self.readings = self._lines(truth, starts) + wild + rng.normal(size=(TRIALS, ROWS))
-
-    def _lines(self, values: dict[str, float], starts: FloatArray) -> FloatArray:
-        total = sum((v * SHAPES[n] for n, v in values.items()), np.zeros(ROWS))
-        return self.loads[:, None] * total[None] + starts[:, None]
-
-    @property
-    def trial_ids(self) -> tuple[str, ...]:
-        return tuple(map(str, range(TRIALS)))
-
-    @property
-    def start_steps(self) -> FloatArray:
-        return np.ones((TRIALS, 1))
-
-    @property
-    def channel_count(self) -> int:
-        return 1
-
-    @property
-    def piece_starts(self) -> tuple[tuple[int, int], ...]:
-        return tuple((trial, 0) for trial in range(TRIALS))
-
-    def pieces(self, count: int) -> None:
-        return None
-
-    def finer(self) -> Drawn:
-        return self
-
-    def with_noise_from(self, model: Model, starts: FloatArray) -> Drawn:
-        return self
-
-    def errors(self, model: Model, starts: FloatArray) -> FloatArray:
-        values: dict[str, float] = {}
-        for term in model:
-            name = term.candidate.effect
-            values[str(name)] = values.get(str(name), 0.0) + term.values["size"]
-        return np.stack([self._lines(values, s[:, 0]) - self.readings for s in starts])
-
-
-class Named:
-    """Stands for an effect of a candidate: only its name is read."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-
-    def __str__(self) -> str:
-        return self.name
-
-
-def candidates(names: Sequence[str]) -> list[Candidate]:
-    from schemas.gap import Place
-
-    none = {"size": 0.0}
-    return [
-        Candidate(Named(n), Place(), none, none, {"size": (-500.0, 500.0)})  # pyright: ignore[reportArgumentType]
-        for n in names
-    ]
-
-
-def searched(system: Drawn, names: str) -> ModelSearch:
-    return search_models(ladder_of(system, (), POLICY), candidates(names.split()), POLICY)
-
-
-def keys(names: str) -> set[str]:
-    return {f"{n}@world" for n in names.split()}
+from simgap.whole_trials.search_models import ModelSearch
+from tests.simgap.whole_trials.drawn_trials import SHAPES, TRIALS, Drawn, T, candidates, keys, searched
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -111,7 +29,7 @@ def test_two_causes_are_certain_and_their_intervals_hold_them(seed: int) -> None
     assert confidence_set(search, POLICY).certain == keys("ramp wave")
     widths = half_widths(search.chosen.fit, 3.0)
     for term in search.chosen.fit.effects:
-        assert abs(term.values["size"] - truth[str(term.candidate.effect)]) < widths[term.candidate.key]["size"]
+        assert abs(term.values["size"] - truth[term.candidate.effect.name]) < widths[term.candidate.key]["size"]
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -148,7 +66,7 @@ def explained(search: ModelSearch, test: Drawn) -> bool:
 def test_held_out_losses_follow_those_of_leaving_a_trial_out() -> None:
     """To first order: with one parameter among 12 trials, within a tenth of what leaving out adds."""
     system = Drawn({"ramp": 5.0})
-    model = (Term(candidates(["ramp"])[0], {"size": 0.0}),)
+    model = (Term(candidates("ramp")[0], {"size": 0.0}),)
     whole = fit_model(system, model, np.zeros((TRIALS, 1)), POLICY)
     shape = system.loads[:, None] * SHAPES["ramp"][None]
     shape = shape - shape.mean(axis=1, keepdims=True)
@@ -170,3 +88,19 @@ def test_a_violent_trial_does_not_outvote_the_others() -> None:
     assert "ramp@world" in search.growths[0].models[0].fit.keys
     size = search.growths[0].models[0].fit.effects[0].values["size"]
     assert size == pytest.approx(6.0, abs=1.5)
+
+
+def test_test_trials_have_the_last_word() -> None:
+    """What training trials show and test trials contradict is not taken."""
+    search = searched(Drawn({"ramp": 6.0}), "ramp bow")
+    assert confirmed(Drawn({"ramp": 6.0}, seed=1), search, POLICY).size == 1
+    assert confirmed(Drawn({"ramp": -6.0}, seed=1), search, POLICY).size == 0
+
+
+def test_intervals_hold_the_truth_about_as_often_as_they_say() -> None:
+    held = 0
+    for seed in range(60):
+        fit = searched(Drawn({"ramp": 6.0}, seed=seed), "ramp").chosen.fit
+        width = half_widths(fit, 1.96)[fit.effects[0].candidate.key]["size"]
+        held += abs(fit.effects[0].values["size"] - 6.0) < width
+    assert 0.88 * 60 <= held <= 60

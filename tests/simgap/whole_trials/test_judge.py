@@ -1,0 +1,92 @@
+"""The verdict from a search on whole trials: each reason for doubt alone keeps an effect from being sure."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+from schemas.gap import Reason
+from simgap.inference.verdict_text import NAMED, STRANGE
+from simgap.problem import Problem
+from simgap.search_result import gain_between
+from simgap.whole_trials.check import check_whole_trials
+from simgap.whole_trials.confidence_set import confidence_set
+from simgap.whole_trials.judge import Judgement, judge
+from simgap.whole_trials.policy import POLICY
+from tests.simgap.whole_trials.drawn_trials import Drawn, DrawnProblem, searched
+
+AGREES = {"ramp": (6.1, 0.2), "bow": (20.0, 1.0), "twin": (10.0, 0.5)}
+
+
+def judged(
+    truth: dict[str, float],
+    names: str,
+    direct: dict[str, tuple[float, float]] = AGREES,
+    outside: float = 0.0,
+    strange: bool = False,
+) -> Judgement:
+    search = searched(Drawn(truth, outside), names)
+    null, chosen = search.null.fit, search.chosen.fit
+    test = Drawn(truth, outside, seed=1)
+    check = check_whole_trials(test, null.model, chosen.model, (null, chosen), POLICY)
+    whole = gain_between(check.null, check.final, "full_rollout", 0.0)
+    short = whole.model_copy(update={"view": "short_horizon", "horizon_s": 0.2})
+    problem = cast(Problem, cast(Any, DrawnProblem(direct)))
+    return judge(problem, confidence_set(search, POLICY), check, (short, whole), test.trial_ids, strange, POLICY)
+
+
+def reasons(judgement: Judgement) -> set[Reason]:
+    return {decision.reason for _, decision in judgement.decisions if not decision.kept}
+
+
+def test_an_effect_without_a_doubt_is_sure() -> None:
+    found = judged({"ramp": 6.0}, "ramp wave")
+    (effect,) = found.verdict.effects
+    assert (found.verdict.status, effect.name) == ("effect_found", "ramp")
+    assert effect.confidence > NAMED
+    low, high = effect.parameters["size"].ci95
+    assert low < 6.0 < high
+    assert 0.05 < high - low < 1.0
+
+
+def test_two_causes_are_both_sure() -> None:
+    found = judged({"ramp": 6.0, "bow": 20.0}, "ramp wave bow")
+    assert {e.name for e in found.verdict.effects if e.confidence > NAMED} == {"ramp", "bow"}
+
+
+def test_a_direct_estimate_that_disagrees_leaves_a_doubt() -> None:
+    found = judged({"ramp": 6.0}, "ramp wave", {"ramp": (-6.0, 0.2)})
+    assert found.verdict.status == "ambiguous"
+    assert reasons(found) == {Reason.DIRECT_DISAGREES}
+
+
+def test_without_a_direct_estimate_nothing_is_sure() -> None:
+    found = judged({"ramp": 6.0}, "ramp wave", {})
+    assert found.verdict.status == "ambiguous"
+    assert reasons(found) == {Reason.NO_DIRECT_ESTIMATE}
+    assert all(e.confidence < NAMED for e in found.verdict.effects)
+
+
+def test_twins_are_named_together() -> None:
+    found = judged({"bow": 20.0}, "ramp bow twin")
+    (group,) = found.verdict.ambiguous_groups
+    assert set(group.effects) == {"bow", "twin"}
+    assert found.verdict.status == "ambiguous"
+
+
+def test_what_no_model_explains_caps_what_comes_nearest() -> None:
+    found = judged({"ramp": 6.0}, "ramp wave", outside=8.0)
+    assert found.verdict.status == "outside_model_class"
+    assert all(e.confidence < NAMED for e in found.verdict.effects)
+    assert "outside the library" in found.verdict.statement
+
+
+def test_noise_alone_is_no_effect_and_no_structure() -> None:
+    found = judged({}, "ramp wave bow")
+    assert (found.verdict.status, found.verdict.effects) == ("no_effect", ())
+
+
+def test_inputs_of_other_trials_make_nothing_sure() -> None:
+    found = judged({"ramp": 6.0}, "ramp wave", strange=True)
+    assert found.verdict.statement == STRANGE
+    assert Reason.INPUTS_OF_OTHERS in reasons(found)
+    assert all(e.confidence < NAMED for e in found.verdict.effects)
