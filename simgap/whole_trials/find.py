@@ -54,7 +54,6 @@ def find_on_whole_trials(
     assert judged is not None
     ladder = ladder_of(taught, problem.nuisances(), policy)
     search = search_models(ladder, problem.candidates(), policy, 0 if mixed_up else None)
-    judged = judged.finer()
     search = confirmed(judged, search, policy)
     models = confidence_set(search, policy)
     null, final = search.null.fit.model, search.chosen.fit.model

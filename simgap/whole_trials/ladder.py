@@ -18,15 +18,15 @@ from simgap.whole_trials.policy import Policy
 
 @dataclass(frozen=True)
 class Ladder:
-    """The rungs from the shortest pieces to whole trials, and the null model fitted on each.
-
-    finest   whole trials in finer steps, on which models are compared, and the null fitted there.
-    """
+    """The rungs from the shortest pieces to whole trials, these in finer steps, and the null model fitted on each."""
 
     rungs: tuple[TrialSystem, ...]
     nulls: tuple[ModelFit, ...]
-    finest: TrialSystem
-    null: ModelFit
+
+    @property
+    def whole(self) -> TrialSystem:
+        """The last rung."""
+        return self.rungs[-1]
 
 
 def ladder_of(system: TrialSystem, nuisances: tuple[Candidate, ...], policy: Policy) -> Ladder:
@@ -36,14 +36,13 @@ def ladder_of(system: TrialSystem, nuisances: tuple[Candidate, ...], policy: Pol
     fits = _climbed(rungs, null, None, policy)
     system = system.with_noise_from(fits[-1].model, fits[-1].starts)
     rungs = _rungs(system, policy)
-    nulls = _climbed(rungs, null, None, policy)
-    finest = system.finer()
-    return Ladder(rungs, nulls, finest, fit_model(finest, nulls[-1].model, nulls[-1].starts, policy))
+    *shorter, last = _climbed(rungs, null, None, policy)
+    return Ladder(rungs, (*shorter, fit_model(rungs[-1], last.model, last.starts, policy)))
 
 
 def _rungs(system: TrialSystem, policy: Policy) -> tuple[TrialSystem, ...]:
     shorter = (system.pieces(count) for count in policy.pieces)
-    return (*(s for s in shorter if s is not None), system)
+    return (*(s for s in shorter if s is not None), system.finer())
 
 
 def starts_on(system: TrialSystem, model: Model, policy: Policy) -> ModelFit:

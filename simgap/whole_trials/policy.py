@@ -25,7 +25,8 @@ class Policy:
     most_effects      effects of one model; three causes at once are the most that the suite asks for.
     beam              models that the next step extends.
     full_fits         candidates per extended model that are fitted to the end, best score first.
-    promising         share of the best score that a candidate needs to be fitted to the end.
+    promising         share of the best score that a candidate needs to be fitted to the end; the `fewest` best of each
+                      rung are in any case, because a score is that of a linear step.
     pieces            into which trials are cut, on the rungs of the ladder before whole trials.
     begins            rungs from which a candidate's fit climbs, those with its best scores.
     rung_iterations   steps of Gauss and Newton on each rung, and `iterations` at the end for so many `polished` models;
@@ -46,8 +47,9 @@ class Policy:
     least_share: float = 0.02
     most_effects: int = 3
     beam: int = 2
-    full_fits: int = 8
+    full_fits: int = 9
     promising: float = 0.2
+    fewest: int = 3
     pieces: tuple[int, ...] = (16, 4)
     begins: int = 2
     rung_iterations: int = 4

@@ -80,7 +80,7 @@ def search_models(
     ladder: Ladder, candidates: Sequence[Candidate], policy: Policy, most: int | None = None
 ) -> ModelSearch:
     """Models of at most `most` effects (0: the null alone)."""
-    null = _fitted(ladder.null)
+    null = _fitted(ladder.nulls[-1])
     parents, growths = [Parent(null, ladder.nulls)], []
     for _ in range(policy.most_effects if most is None else most):
         growth = _grow(ladder, parents, candidates, policy)
@@ -106,12 +106,12 @@ def _fitted(fit: ModelFit) -> FittedModel:
 
 
 def _on_rungs(ladder: Ladder, fit: ModelFit, policy: Policy) -> tuple[ModelFit, ...]:
-    """A fitted model's starts on each rung, its values unchanged."""
-    known = (*(null.starts for null in ladder.nulls[:-1]), fit.starts)
-    return tuple(
-        fit_model(system, fit.model, starts, policy, fixed=True, iterations=policy.rung_iterations)
-        for system, starts in zip(ladder.rungs, known, strict=True)
-    )
+    """A fitted model's starts on each shorter rung, its values unchanged."""
+    shorter = [
+        fit_model(system, fit.model, null.starts, policy, fixed=True, iterations=policy.rung_iterations)
+        for system, null in zip(ladder.rungs[:-1], ladder.nulls[:-1], strict=True)
+    ]
+    return (*shorter, fit)
 
 
 def _grow(ladder: Ladder, parents: Sequence[Parent], candidates: Sequence[Candidate], policy: Policy) -> Growth | None:
@@ -132,9 +132,9 @@ def _grow(ladder: Ladder, parents: Sequence[Parent], candidates: Sequence[Candid
     if not fits:
         return None
     by_loss = sorted(fits.values(), key=lambda f: float(f.losses.sum()))
-    polished = [_polished(ladder.finest, f, policy) for f in by_loss[: policy.polished]]
+    polished = [_polished(ladder.whole, f, policy) for f in by_loss[: policy.polished]]
     ordered = tuple(sorted(map(_fitted, polished), key=lambda m: m.order))
-    return Growth(ordered, first, _enters(ladder.null, parents[0].model, ordered[0], len(candidates), policy))
+    return Growth(ordered, first, _enters(ladder.nulls[-1], parents[0].model, ordered[0], len(candidates), policy))
 
 
 def _promising(by_rung: Sequence[Sequence[Score]], policy: Policy) -> list[Candidate]:
@@ -143,7 +143,7 @@ def _promising(by_rung: Sequence[Sequence[Score]], policy: Policy) -> list[Candi
     lists = []
     for ranked in by_rung:
         enough = max(LEAST_SCORE, policy.promising * ranked[0].reduction) if ranked else 0.0
-        lists.append([s.candidate for s in ranked if s.reduction >= enough])
+        lists.append([s.candidate for place, s in enumerate(ranked) if s.reduction >= enough or place < policy.fewest])
     for place in range(max((len(names) for names in lists), default=0)):
         for names in lists:
             if place < len(names) and len(chosen) < policy.full_fits:
