@@ -46,9 +46,9 @@ def find_on_whole_trials(
     policy: Policy = POLICY,
 ) -> SearchResult:
     """See `simgap.find_gap.find_effects`; for problems that have whole trials."""
-    others = other_inputs_check(problem, problem.search_view)
+    others = other_inputs_check(problem)
     mixed_up = others is not None and others.status == "suspect"
-    problem = problem.with_initial_states_at(())
+    problem = problem.with_input_timing()
     taught, judged = problem.whole_trials(trials.train), problem.whole_trials(trials.test)
     assert taught is not None
     assert judged is not None
@@ -57,7 +57,7 @@ def find_on_whole_trials(
     models = confidence_set(search, policy)
     null, final = search.null.fit.model, search.chosen.fit.model
     check = check_whole_trials(judged, null, final, (search.null.fit, search.chosen.fit), policy)
-    pairing = pairing_check(problem, final, trials.train, problem.search_view)
+    pairing = pairing_check(problem, final, trials.train)
     pairing_checks = [c for c in (others, pairing) if c is not None]
     timing = problem.timing_check()
     short = gain_of(problem, null, final, trials, "short_horizon", horizon_s)
