@@ -24,17 +24,13 @@ from simgap.baselines.residual_regression import corrected
 from simgap.inference.agreement import agrees
 from simgap.inference.candidate_fit import Map
 from simgap.inference.decision import Decided, SearchDecision
-from simgap.inference.fit import robust_scale
-from simgap.inference.forward_selection import MOST_EFFECTS, Selection, select
+from simgap.inference.forward_selection import Selection, select
 from simgap.inference.losses import compare, trial_losses
 from simgap.inference.verdict import judge
 from simgap.problem import Model, Problem
 from simgap.recording.train_test_split import Trials
-from simgap.sanity.input_pairing import other_inputs_check, pairing_check
 from simgap.search_result import SearchResult, baseline_of, extension_of, gain_of, rms_in_noise_levels
 from simgap.whole_trials.find import find_on_whole_trials
-
-_NOISE_LOSS = 1.3  # mean loss, in typical errors, of noise that grows along a roll-out
 
 
 def find_effects(
@@ -58,22 +54,13 @@ def find_effects(
         return find_on_whole_trials(
             problem, trials, measurement=measurement, horizon_s=horizon_s, checks=checks, localisation=localisation
         )
-    others = other_inputs_check(problem, problem.search_view)
-    mixed_up = others is not None and others.status == "suspect"
-    selection = select(problem, trials, problem.search_view, each, 0 if mixed_up else MOST_EFFECTS)
-    last = problem.with_initial_states_at(selection.final.model)
-    box = _black_box(last, selection, trials)
+    selection = select(problem, trials, each)
+    box = _black_box(problem, selection, trials)
     leftover = compare(selection.final_losses, box)
-    pairing = pairing_check(last, selection.final.model, trials.train, problem.search_view)
-    pairing_checks = [check for check in (others, pairing) if check is not None]
-    timing_check = last.timing_check()
-    checks = (*checks, *pairing_checks, *([timing_check] if timing_check else []))
-    mispaired = any(check.status == "suspect" for check in pairing_checks)
     null, final = selection.null.model, selection.final.model
-    short = gain_of(last, null, final, trials, "short_horizon", horizon_s)
-    gains = (short, gain_of(last, null, final, trials, "full_rollout", 0.0))
-    tails = _heavy_tail_share(last, selection, trials)
-    judgement = judge(problem, selection, trials.train, gains, leftover, tails, mispaired)
+    short = gain_of(problem, null, final, trials, "short_horizon", horizon_s)
+    gains = (short, gain_of(problem, null, final, trials, "full_rollout", 0.0))
+    judgement = judge(problem, selection, trials.train, gains, leftover)
     verdict = judgement.verdict
     decisions = reported_decisions(selection.decisions, judgement.decisions)
     report = GapReport(
@@ -93,7 +80,7 @@ def find_effects(
             *(() if quick else (_all_effects(problem, selection, trials),)),
             Rival(name="black_box", heldout=float(box.mean())),
         ),
-        ladder=_ablation(last, selection, trials),
+        ladder=_ablation(problem, selection, trials),
         decisions=decisions,
         reason_counts=dict(sorted(Counter(d.reason for d in decisions).items())),
     )
@@ -102,31 +89,17 @@ def find_effects(
 
 
 def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
-    seen = problem.with_initial_states_at(selection.null.model)
-    losses = all_effects_losses(seen, selection.null.model, trials, problem.search_view, selection.scale)
+    losses = all_effects_losses(problem, selection.null.model, trials, selection.scale)
     return Rival(name="all_effects", heldout=float(losses.mean()))
 
 
 def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatArray:
     """Held-out losses of the final model with a black box on top of it."""
-    model, view = selection.final.model, problem.search_view
-    teach = problem.residuals(model, trials.train, view)
-    judged = problem.residuals(model, trials.test, view)
-    better = corrected(problem.features(trials.train, view), teach, problem.features(trials.test, view), judged)
-    return trial_losses(better, selection.scale)
-
-
-def _heavy_tail_share(problem: Problem, selection: Selection, trials: Trials) -> float:
-    """Share of the final model's held-out loss that lies in tails longer than those of noise; 0 with contacts.
-
-    Contacts make even correct roll-outs diverge: there, long tails are no evidence.
-    """
-    if problem.search_view != "long_horizon":
-        return 0.0
-    model, view = selection.final.model, problem.search_view
-    level = robust_scale(problem, model, trials.train, view)
-    loss = float(trial_losses(problem.residuals(model, trials.test, view), level).mean())
-    return max(0.0, 1.0 - _NOISE_LOSS / max(loss, 1e-12))
+    (teaching, teach), (judging, judged) = (
+        (problem.features(ids, "short_horizon"), problem.residuals(selection.final.model, ids, "short_horizon"))
+        for ids in (trials.train, trials.test)
+    )
+    return trial_losses(corrected(teaching, teach, judging, judged), selection.scale)
 
 
 def _ablation(problem: Problem, selection: Selection, trials: Trials) -> tuple[Rival, ...]:

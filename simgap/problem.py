@@ -14,7 +14,7 @@ from schemas.gap import ConventionCheck, Place, RolloutEngine
 from sim.dynamics.mechanism import MechanismModel
 from sim.effects.effect import Effect
 
-View = Literal["short_horizon", "long_horizon", "full_rollout"]
+View = Literal["short_horizon", "full_rollout"]
 
 
 @dataclass(frozen=True)
@@ -144,20 +144,8 @@ class Problem(Protocol):
         """SI unit of each channel."""
         ...
 
-    @property
-    def search_view(self) -> View:
-        """The view whose roll-outs decide which effects are accepted.
-
-        Contacts make long roll-outs diverge even under a correct model: only problems without contacts answer
-        `long_horizon`, where the trace of a missing effect grows with time.
-        """
-        return "short_horizon"
-
-    def with_initial_states_at(self, model: Model) -> Problem:
-        """The same problem with its free initial states, if it has any, linearised at `model`.
-
-        A problem that was linearised at another model keeps all else, such as its input timing.
-        """
+    def with_input_timing(self) -> Problem:
+        """The same problem with inputs at the times that its motions show best; itself where nothing drives."""
         return self
 
     def whole_trials(self, trials: Sequence[str]) -> TrialSystem | None:

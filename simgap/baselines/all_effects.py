@@ -10,7 +10,7 @@ import numpy as np
 
 from schemas.arrays import FloatArray
 from simgap.inference.losses import trial_losses
-from simgap.problem import Candidate, Model, Problem, Term, View
+from simgap.problem import Candidate, Model, Problem, Term
 from simgap.recording.train_test_split import Trials
 
 _PER_PARAMETER, _MOST_ROLLOUTS = 6, 150  # roll-outs of the training trials: about a third of what the search takes
@@ -18,7 +18,7 @@ _CMA_STEP = 0.05  # of each parameter's range
 _SEED = 1
 
 
-def all_effects_losses(problem: Problem, base: Model, trials: Trials, view: View, scale: FloatArray) -> FloatArray:
+def all_effects_losses(problem: Problem, base: Model, trials: Trials, scale: FloatArray) -> FloatArray:
     """(n,) losses of the test trials under all candidates on top of `base`, fitted on the training trials.
 
     The search starts from no effect, with shape parameters at their initial values. A term of `base` that is the same
@@ -29,7 +29,7 @@ def all_effects_losses(problem: Problem, base: Model, trials: Trials, view: View
     fixed_terms = tuple(t for t in base if (t.candidate.effect.name, t.candidate.where) not in same)
 
     def losses(shares: FloatArray, ids: tuple[str, ...]) -> FloatArray:
-        return trial_losses(problem.residuals((*fixed_terms, *_terms(candidates, shares)), ids, view), scale)
+        return trial_losses(problem.residuals((*fixed_terms, *_terms(candidates, shares)), ids, "short_horizon"), scale)
 
     start = _start(candidates)
     if len(start) < 2:  # Less than CMA-ES takes.

@@ -153,7 +153,7 @@ def with_rivals_beside_confusable(
 
 def _bias_of(state: SearchState, without: Fit, best: CandidateFit, replaced: Accepted) -> tuple[MethodBias, Decision]:
     """The method's bias on a candidate in the place of an accepted effect, and whether the candidate exceeds it."""
-    bias = estimate_method_bias(state.problem, state.trials.train, state.view, without.model, best.fit.model)
+    bias = estimate_method_bias(state.problem, state.trials.train, without.model, best.fit.model)
     p_adjusted = replaced.screening.p_of(best.candidate.key)
     return bias, is_beyond_method_bias(Evidence(without, best, p_adjusted, method_bias=bias))
 

@@ -26,7 +26,7 @@ from simgap.inference.losses import compare, paired_p
 from simgap.inference.search_state import SearchState
 from simgap.problem import Candidate, Term
 
-RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
+_RIVAL_SHARE = 0.5  # a rival explains at least this share of what the best explains
 RIVAL_ALPHA = 0.05  # level at which the best beats another
 AHEAD_GAIN = 0.05  # share of a rival's error by which the best must be ahead: less can be the smoothing
 # The same share against a confusable effect: nuisances that are free beside one of the two only add to the difference.
@@ -275,7 +275,7 @@ def is_inseparable(errors: Errors, best: CandidateFit, rival: CandidateFit) -> D
     confusable = are_confusable(rival.candidate, best.candidate)
 
     def tests() -> Iterator[Test]:
-        gain, least = rival.comparison.gain, RIVAL_SHARE * best.comparison.gain
+        gain, least = rival.comparison.gain, _RIVAL_SHARE * best.comparison.gain
         yield Reason.EXPLAINS_LESS_THAN, criterion("held-out gain", gain, ">=", least)
         yield from ((Reason.FITS_WORSE_THAN, c) for c in is_as_good(rival, best).criteria)
         kin = rival.candidate.effect.family == best.candidate.effect.family

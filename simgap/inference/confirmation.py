@@ -47,8 +47,7 @@ def confirm(state: SearchState, screening: Screening) -> Confirmation:
         key = candidate_fit.candidate.key
         tested, decisions[key] = _tested(state, evidence[key], losses_before)
         if tested.method_bias is not None and decisions[key].kept:
-            errors = state.errors_at(candidate_fit.fit.model) if candidate_fit.candidate.extra_starts else state.errors
-            rivals = inseparable(errors, candidate_fit, screening.fits)
+            rivals = inseparable(state.errors, candidate_fit, screening.fits)
             fits = tuple(r for r, decision in rivals if decision.kept)
             accepted = Accepted(candidate_fit, screening, tested.p_adjusted, fits, tested.method_bias)
             decisions |= {
@@ -68,11 +67,11 @@ def _after(accepted: CandidateFit, rank: int, rank_of_other: int) -> Decision:
 def _tested(state: SearchState, evidence: Evidence, losses_before: FloatArray) -> tuple[Evidence, Decision]:
     """Evidence and decision after the test trials and, where these confirm, after the bootstrap."""
     fitted = evidence.candidate_fit.fit
-    evidence = replace(evidence, test_losses=(losses_before, state.test_losses_at_own_fit(fitted)))
+    evidence = replace(evidence, test_losses=(losses_before, state.test_losses(fitted)))
     confirmed = is_confirmed(evidence)
     if not confirmed.kept:
         return evidence, confirmed
-    bias = estimate_method_bias(state.problem, state.trials.train, state.view, state.base.model, fitted.model)
+    bias = estimate_method_bias(state.problem, state.trials.train, state.base.model, fitted.model)
     evidence = replace(evidence, method_bias=bias)
     return evidence, all_of([confirmed, is_beyond_method_bias(evidence)])
 

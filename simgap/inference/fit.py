@@ -21,7 +21,7 @@ from simgap.inference.robust_least_squares import (
     leave_one_out_losses,
     minimise,
 )
-from simgap.problem import Candidate, Model, Problem, Term, View
+from simgap.problem import Candidate, Model, Problem, Term
 
 Errors = Callable[[Model], Sequence[FloatArray]]  # one array per trial, in noise levels
 ROUNDING_MARGIN = 1.0 + 1e-9  # an end of a range lies as far from none as it is known: rounding must not decide
@@ -123,11 +123,11 @@ def _progress(decision: Decision) -> tuple[int, float]:
     return len(decision.criteria), first.value / first.bound if first.bound > 0.0 else 0.0
 
 
-def rollout_errors(problem: Problem, trials: Sequence[str], view: View, scale: FloatArray) -> Errors:
-    """Residuals of roll-outs over `scale` (c,), one array per cluster; missing ones count as 0."""
+def rollout_errors(problem: Problem, trials: Sequence[str], scale: FloatArray) -> Errors:
+    """Residuals of short roll-outs over `scale` (c,), one array per cluster; missing ones count as 0."""
 
     def errors(model: Model) -> list[FloatArray]:
-        residuals = problem.residuals(model, trials, view)
+        residuals = problem.residuals(model, trials, "short_horizon")
         levels = np.nan_to_num(np.concatenate(residuals) / scale)
         ends = np.cumsum([len(r) for r in residuals])[:-1]
         return resampling_units(np.split(np.minimum(np.maximum(levels, -_CLIP), _CLIP), ends))
@@ -154,10 +154,11 @@ def _ends(rows: int, parts: int) -> tuple[int, ...]:
     return tuple(accumulate(each + (k < left) for k in range(parts)))
 
 
-def robust_scale(problem: Problem, fitted: Model, trials: Sequence[str], view: View) -> FloatArray:
-    """(c,) size of what a model leaves, outliers aside, at least the noise floor: what counts as one level."""
-    rows = np.concatenate(problem.residuals(fitted, trials, view))
-    return np.maximum(1.4826 * np.nanmedian(np.abs(rows), axis=0), problem.noise_floor(trials, view) + 1e-15)
+def robust_scale(problem: Problem, fitted: Model, trials: Sequence[str]) -> FloatArray:
+    """(c,) size of what a model leaves of short roll-outs, outliers aside, at least the noise floor: one level."""
+    rows = np.concatenate(problem.residuals(fitted, trials, "short_horizon"))
+    least = problem.noise_floor(trials, "short_horizon") + 1e-15
+    return np.maximum(1.4826 * np.nanmedian(np.abs(rows), axis=0), least)
 
 
 def fit(errors: Errors, free: Sequence[Candidate], most: int = 8) -> Fit:

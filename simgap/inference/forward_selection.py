@@ -28,7 +28,7 @@ from simgap.inference.hypothesis import Accepted
 from simgap.inference.losses import trial_losses
 from simgap.inference.screening import screen
 from simgap.inference.search_state import SearchState, refit_at
-from simgap.problem import Problem, View
+from simgap.problem import Problem
 from simgap.recording.train_test_split import Trials
 
 MOST_EFFECTS = 4
@@ -57,18 +57,14 @@ class Selection:
         return (*(a.screening for a in self.accepted), *([self.undecided] if self.undecided else []))
 
 
-def select(
-    problem: Problem, trials: Trials, view: View, each: Map | None = None, most: int = MOST_EFFECTS
-) -> Selection:
+def select(problem: Problem, trials: Trials, each: Map | None = None, most: int = MOST_EFFECTS) -> Selection:
     """Null refit, then the best candidate of each screening while its gain is significant and above the least gain.
 
     At most `most` effects are accepted: 0 gives the null alone.
     """
     each = each or (lambda work, items: map(work, items))
-    level = robust_scale(problem, (), trials.train, view)
-    state = refit_at(
-        problem, trials, view, fit(rollout_errors(problem, trials.train, view, level), problem.nuisances())
-    )
+    level = robust_scale(problem, (), trials.train)
+    state = refit_at(problem, trials, fit(rollout_errors(problem, trials.train, level), problem.nuisances()))
     null = state.base
     accepted: tuple[Accepted, ...] = ()
     undecided: Screening | None = None
@@ -94,7 +90,7 @@ def select(
             if exchange is not None:
                 place, effect = exchange
                 accepted = (*accepted[:place], effect, *accepted[place + 1 :])
-                state, exchanges = refit_at(problem, trials, view, effect.candidate_fit.fit), exchanges + 1
+                state, exchanges = refit_at(problem, trials, effect.candidate_fit.fit), exchanges + 1
                 continue
         accepted, decided = with_possible_replacements(state, screening, accepted)
         record(number, "compare", decided)
@@ -105,13 +101,14 @@ def select(
             undecided = screening
             break
         accepted = (*accepted, confirmation.accepted)
-        state = refit_at(problem, trials, view, confirmation.accepted.candidate_fit.fit)
+        state = refit_at(problem, trials, confirmation.accepted.candidate_fit.fit)
     accepted, decided = with_rivals_beside_confusable(state, accepted)
     record(number, "compare", decided)
     accepted = tuple(replace(a, removed=_removed(state, a)) for a in accepted)
-    last = problem.with_initial_states_at(state.base.model)
-    scale = robust_scale(last, null.model, trials.train, view)
-    null_losses, losses = (trial_losses(last.residuals(f.model, trials.test, view), scale) for f in (null, state.base))
+    scale = robust_scale(problem, null.model, trials.train)
+    null_losses, losses = (
+        trial_losses(problem.residuals(f.model, trials.test, "short_horizon"), scale) for f in (null, state.base)
+    )
     return Selection(null, null_losses, accepted, undecided, state.base, losses, scale, tuple(trail))
 
 

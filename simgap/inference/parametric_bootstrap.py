@@ -15,7 +15,7 @@ from scipy import stats
 
 from simgap.inference.fit import extend, fit, is_twin, robust_scale, rollout_errors
 from simgap.inference.losses import compare
-from simgap.problem import Model, Problem, View
+from simgap.problem import Model, Problem
 
 _REPEATS = 3
 _DESCENT_STEPS = 4  # of a descent that begins where the truth is
@@ -33,7 +33,7 @@ class MethodBias:
     gain: float = 0.0
 
 
-def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, base: Model, model: Model) -> MethodBias:
+def estimate_method_bias(problem: Problem, trials: Sequence[str], base: Model, model: Model) -> MethodBias:
     """Bias on the last term of `model`, from samples simulated by `base`; empty for a problem without bootstrap."""
     term = model[-1]
     # There the numbers of `base` are the declared ones.
@@ -50,7 +50,7 @@ def estimate_method_bias(problem: Problem, trials: Sequence[str], view: View, ba
         again = problem.bootstrap_sample(base, seed)
         if again is None:
             return MethodBias()
-        errors = rollout_errors(again, trials, view, robust_scale(again, given, trials, view))
+        errors = rollout_errors(again, trials, robust_scale(again, given, trials))
         null = fit(errors, known, _DESCENT_STEPS)
         direct_estimate = again.direct(term.candidate, null.model, trials)
         # Nothing is hidden here: a descent from the found values alone may be stuck where the loss is higher.

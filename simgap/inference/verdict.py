@@ -32,7 +32,7 @@ from simgap.inference.intervals import (
     wider,
 )
 from simgap.inference.losses import Comparison
-from simgap.inference.verdict_text import NAMED, STRANGE, experiment, statement, status
+from simgap.inference.verdict_text import NAMED, experiment, statement, status
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
 
 _DIRECT_RIVALS = 3  # further candidates that are compared by direct estimates
@@ -53,19 +53,15 @@ def judge(
     trials: Sequence[str],
     gains: Sequence[Gain],
     leftover: Comparison,
-    tails: float = 0.0,
-    strange: bool = False,
 ) -> JudgedSelection:
     """The verdict over all accepted effects, with its `gains`, that of short horizons first.
 
-    `leftover` is what a black box gains on top of them; `tails` is the share of its loss that lies in tails longer than
-    noise has: what comes seldom, as play at reversals, no black box finds. Where the data are `strange`, nothing is
-    sure: the inputs may be those of other motions. Where a single trial judges nothing is either: a gain without an
+    `leftover` is what a black box gains on top of them. Where a single trial judges, nothing is sure: a gain without an
     interval may be chance.
     """
     unexplained = leftover.p_value < ALPHA and leftover.gain > LEFTOVER
     single = math.isinf(gains[0].ci95[0])
-    nameless = max(leftover.gain if unexplained else 0.0, tails)
+    nameless = leftover.gain if unexplained else 0.0
     mimics = [_mimics(problem, selection, accepted, trials) for accepted in selection.accepted]
     named: list[NamedEffect] = []
     groups: list[AmbiguousGroup] = []
@@ -79,7 +75,7 @@ def judge(
             continue
         evidence = _final_evidence(problem, selection, number, mimics, trials)
         drowned = [
-            *_reliable(strange, single),
+            _not_single(single),
             *_large_enough(accepted, nameless),
             differs_from_none(evidence.term, evidence.sides),
             *(_is_no_remainder(candidate, other) for other in in_doubt),
@@ -106,10 +102,10 @@ def judge(
             decisions.append((candidate, replace(all_of([remains, *every]), reason=Reason.NAMED)))
     certain = [e for e in named if e.confidence >= NAMED]
     verdict = Verdict(
-        status=status(bool(certain), bool(groups), unexplained or strange),
+        status=status(bool(certain), bool(groups), unexplained),
         effects=tuple(named),
         ambiguous_groups=tuple(groups),
-        statement=statement(gains, named, groups, unexplained) if not strange else STRANGE,
+        statement=statement(gains, named, groups, unexplained),
     )
     return JudgedSelection(verdict, tuple(decisions))
 
@@ -162,11 +158,9 @@ def _remains(selection: Selection, accepted: Accepted) -> Decision:
     return decision if decision.kept else replace(decision, reason=Reason.NO_LONGER_NEEDED)
 
 
-def _reliable(strange: bool, single: bool) -> list[Decision]:
-    """What no name is sure without: inputs that belong to the motions, and an interval of the gain."""
-    pairing = criterion("failed checks of input pairing", int(strange), "<=", 0)
-    interval = criterion("gains without an interval", int(single), "<=", 0)
-    return [decide([(Reason.INPUTS_OF_OTHERS, pairing)]), decide([(Reason.SINGLE_TRIAL, interval)])]
+def _not_single(single: bool) -> Decision:
+    """Refused where a `single` trial judges: the gain has no interval."""
+    return decide([(Reason.SINGLE_TRIAL, criterion("gains without an interval", int(single), "<=", 0))])
 
 
 def _large_enough(accepted: Accepted, nameless: float) -> list[Decision]:

@@ -21,7 +21,7 @@ from schemas.gap import (
     Rival,
     Step,
 )
-from simgap.inference.decision import Decision, criterion, decide
+from simgap.inference.decision import Decision, criterion, decide, negation, place_name
 from simgap.inference.losses import compare
 from simgap.problem import Candidate, Model, Problem
 from simgap.recording.train_test_split import Trials
@@ -32,7 +32,8 @@ from simgap.whole_trials.confidence_set import ConfidenceSet, confidence_set
 from simgap.whole_trials.judge import Judgement, judge
 from simgap.whole_trials.ladder import ladder_of
 from simgap.whole_trials.policy import POLICY, Policy
-from simgap.whole_trials.search_models import LEAST_SCORE, ModelSearch, search_models
+from simgap.whole_trials.score_test import Score
+from simgap.whole_trials.search_models import LEAST_SCORE, FittedModel, Growth, ModelSearch, search_models
 
 
 def find_on_whole_trials(
@@ -46,9 +47,9 @@ def find_on_whole_trials(
     policy: Policy = POLICY,
 ) -> SearchResult:
     """See `simgap.find_gap.find_effects`; for problems that have whole trials."""
-    others = other_inputs_check(problem, problem.search_view)
+    others = other_inputs_check(problem)
     mixed_up = others is not None and others.status == "suspect"
-    problem = problem.with_initial_states_at(())
+    problem = problem.with_input_timing()
     taught, judged = problem.whole_trials(trials.train), problem.whole_trials(trials.test)
     assert taught is not None
     assert judged is not None
@@ -58,14 +59,14 @@ def find_on_whole_trials(
     models = confidence_set(search, policy)
     null, final = search.null.fit.model, search.chosen.fit.model
     check = check_whole_trials(judged, null, final, (search.null.fit, search.chosen.fit), policy)
-    pairing = pairing_check(problem, final, trials.train, problem.search_view)
+    pairing = pairing_check(problem, final, trials.train)
     pairing_checks = [c for c in (others, pairing) if c is not None]
     timing = problem.timing_check()
     short = gain_of(problem, null, final, trials, "short_horizon", horizon_s)
     gains = (short, gain_between(check.null, check.final, "full_rollout", 0.0))
     strange = any(c.status == "suspect" for c in pairing_checks)
     judgement = judge(problem, models, check, gains, trials.train, strange, policy)
-    decisions = _decisions(search, models, judgement)
+    decisions = _decisions(search, models, judgement, policy)
     report = GapReport(
         measurement=measurement,
         n_train=len(trials.train),
@@ -99,8 +100,10 @@ def _ablation(problem: Problem, search: ModelSearch, trials: Trials) -> tuple[Ri
     return (*rows, Rival(name="noise_floor", heldout=1.0))
 
 
-def _decisions(search: ModelSearch, models: ConfidenceSet, judgement: Judgement) -> tuple[CandidateDecision, ...]:
-    """Of each step on candidates: scores too small to fit, the best of each size, rejected models, the verdict."""
+def _decisions(
+    search: ModelSearch, models: ConfidenceSet, judgement: Judgement, policy: Policy
+) -> tuple[CandidateDecision, ...]:
+    """Of each step on candidates: not fitted, the models of each size, those that stay in doubt, the verdict."""
     out: list[CandidateDecision] = []
 
     def record(number: int, step: Step, candidate: Candidate, decision: Decision) -> None:
@@ -118,19 +121,45 @@ def _decisions(search: ModelSearch, models: ConfidenceSet, judgement: Judgement)
         )
 
     for number, growth in enumerate(search.growths):
+        fitted = {key for model in growth.models for key in model.fit.keys}
         for score in growth.scores:
-            test = criterion("loss that a linear step takes off whole trials", score.reduction, ">=", LEAST_SCORE)
-            decision = decide([(Reason.NOT_PROMISING, test)])
-            if not decision.kept:
-                record(number, "screen", score.candidate, decision)
+            if score.candidate.key not in fitted:
+                record(number, "screen", score.candidate, _not_fitted(score, growth, policy))
         record(number, "confirm", growth.models[0].fit.effects[-1].candidate, growth.entered)
-    for model, decision in models.decisions:
+        for rank, model in enumerate(growth.models[1:], 2) if number != search.size - 1 else ():
+            best = criterion("rank by held-out loss", rank, "<=", 1)
+            record(number, "confirm", model.fit.effects[-1].candidate, decide([(Reason.OUTRANKED, best)]))
+    for model, rejected in models.decisions:
         for term in model.fit.effects:
             if term.candidate.key not in models.models[0].fit.keys:
-                record(max(search.size - 1, 0), "compare", term.candidate, decision)
+                stays = _stays(model, rejected, models.models[0])
+                record(max(search.size - 1, 0), "compare", term.candidate, stays)
     for candidate, decision in judgement.decisions:
         record(max(search.size - 1, 0), "judge", candidate, decision)
     return tuple(out)
+
+
+def _not_fitted(score: Score, growth: Growth, policy: Policy) -> Decision:
+    """Why a candidate was not fitted: its score is noise, far below the best, or others came first."""
+    share = score.reduction / max(growth.scores[0].reduction, 1e-300)
+    return decide(
+        [
+            (
+                Reason.NOT_PROMISING,
+                criterion("loss that a linear step takes off whole trials", score.reduction, ">=", LEAST_SCORE),
+            ),
+            (Reason.NOT_PROMISING, criterion("share of the best score", share, ">=", policy.promising)),
+            (Reason.OUTRANKED, criterion("models that were fitted", len(growth.models), "<", policy.full_fits)),
+        ]
+    )
+
+
+def _stays(model: FittedModel, rejected: Decision, chosen: FittedModel) -> Decision:
+    """Whether a model stays in doubt with the chosen one, from whether it is rejected."""
+    beside = place_name(next(t.candidate for t in chosen.fit.effects if t.candidate.key not in model.fit.keys))
+    if rejected.kept:
+        return decide([(Reason.FITS_WORSE_THAN, negation(rejected.criteria[0]))], beside=beside)
+    return Decision(True, Reason.INSEPARABLE_FROM, (negation(rejected.criteria[-1]),), beside)
 
 
 def _hypotheses(search: ModelSearch, judgement: Judgement) -> tuple[Hypothesis, ...]:

@@ -10,6 +10,7 @@ from schemas.gap import Reason
 from tests.support.source_tree import ROOT, parsed, python_files
 
 INFERENCE, KINDS = ROOT / "simgap" / "inference", ROOT / "simgap" / "kinds"
+SEARCHES = (INFERENCE, ROOT / "simgap" / "whole_trials")
 REFERENCE = ROOT / "docs" / "reference" / "gap-output.md"
 # Facts that the library or a declaration states about two candidates; no measurement decides them.
 LOOKUPS = {"are_confusable", "is_twin"}
@@ -22,11 +23,12 @@ def test_no_function_of_the_inference_answers_with_a_bare_boolean() -> None:
     assert bare == LOOKUPS
 
 
-def test_every_reason_is_given_by_the_inference() -> None:
+def test_every_reason_is_given_by_a_search() -> None:
     """The list is closed in both directions: none is written that is not listed, none is listed for nothing."""
     used = {
         node.attr
-        for path in INFERENCE.glob("*.py")
+        for folder in SEARCHES
+        for path in folder.glob("*.py")
         for node in ast.walk(parsed(path))
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "Reason"
     }
@@ -39,9 +41,13 @@ def test_the_reference_lists_every_reason() -> None:
     assert [row for row in rows if row in set(Reason)] == [reason.value for reason in Reason]
 
 
-def test_the_inference_never_asks_of_which_class_a_value_is() -> None:
-    """What a problem can do is answered by its protocol: `search_view`, `bootstrap_sample` and the like."""
-    paths = [*INFERENCE.glob("*.py"), ROOT / "simgap" / "problem.py", ROOT / "simgap" / "find_gap.py"]
+def test_no_search_asks_of_which_class_a_value_is() -> None:
+    """What a problem can do is answered by its protocol: `whole_trials`, `bootstrap_sample` and the like."""
+    paths = [
+        *(path for folder in SEARCHES for path in folder.glob("*.py")),
+        ROOT / "simgap" / "problem.py",
+        ROOT / "simgap" / "find_gap.py",
+    ]
     assert {path.name: line for path in paths for line in questions_of_kind(parsed(path))} == {}
 
 

@@ -8,13 +8,20 @@ from collections import Counter
 from schemas.gap import CandidateDecision, GapReport, Reason
 from simgap.inference.verdict_text import NAMED
 
+WHOLE = "mean square error of whole (test|training) trials"
 # What decides, by reason: the quantity of the last criterion, and on which side of its bound a refused value lies.
 DECIDES = {
-    Reason.NOT_PROMISING: ("smaller p-value", "<"),
-    Reason.OUTRANKED: ("rank by (held-out gain|direct loss)", "<="),
+    Reason.NOT_PROMISING: (
+        "smaller p-value|loss that a linear step takes off whole trials|share of the best score",
+        "<|>=",
+    ),
+    Reason.OUTRANKED: ("rank by (held-out gain|direct loss|held-out loss)|models that were fitted", "<=?"),
     Reason.NOT_SINGLED_OUT: ("direct loss", "<"),
     Reason.NOT_SIGNIFICANT: ("(adjusted )?p-value|p of the direct losses", "<"),
-    Reason.TOO_SMALL: ("share of the loss removed|gain of the direct losses", ">"),
+    Reason.TOO_SMALL: (
+        "share of the loss removed|gain of the direct losses|held-out loss per row that it takes off",
+        ">",
+    ),
     Reason.INTERVAL_INCLUDES_NONE: ("distance of .* from no effect", ">"),
     Reason.BOUND_REACHED: ("half width of .*", ">"),
     Reason.NOT_DETERMINED: ("half width of .*", ">"),
@@ -22,7 +29,7 @@ DECIDES = {
     Reason.TEST_TRIALS_WORSE: ("ratio of test losses, .*|test loss with it", "<"),
     Reason.METHOD_BIAS: ("distance of .* from no effect|held-out gain", ">"),
     Reason.ACCEPTED_AFTER: ("rank among significant candidates", "<="),
-    Reason.FITS_WORSE_THAN: ("p of being no worse", ">=?"),
+    Reason.FITS_WORSE_THAN: ("p of being no worse|p-value of no better held-out loss", ">=?"),
     Reason.EXPLAINS_LESS_THAN: ("held-out gain", ">=?"),
     Reason.MORE_PARAMETERS_THAN: ("share of its held-out gain|share of the pair's loss|parameters", "[<>]=?"),
     Reason.INCOMPLETE_WITHOUT: ("p of the other on top of it", ">="),
@@ -35,7 +42,8 @@ DECIDES = {
     Reason.DIRECT_PREFERS: ("p of the direct losses", ">="),
     Reason.INPUTS_OF_OTHERS: ("failed checks of input pairing", "<="),
     Reason.SINGLE_TRIAL: ("gains without an interval", "<="),
-    Reason.LESS_THAN_UNEXPLAINED: ("share of the loss that comes back without it", ">="),
+    Reason.LESS_THAN_UNEXPLAINED: (f"share of the loss that comes back without it|{WHOLE}.*", "[<>]="),
+    Reason.INSEPARABLE_FROM: ("models of the confidence set without the effect", "<="),
     Reason.REMAINDER_OF: ("confusable effects in doubt at its place", "<="),
 }
 PASSES = {
@@ -44,6 +52,7 @@ PASSES = {
     "compare": {Reason.PASSED, Reason.INSEPARABLE_FROM},
     "judge": {Reason.NAMED},
 }
+MIMICS = (Reason.MIMICKED_BY, Reason.DIRECT_PREFERS, Reason.INSEPARABLE_FROM)
 NEEDS_ANOTHER = {r for r in Reason if re.search(r" (than|by|from|without|to|after|prefers|of)$", f" {r}")}
 
 
@@ -57,8 +66,11 @@ def contradictions(report: GapReport) -> list[str]:
     if [(d.name, d.where) for d in judged if d.reason is Reason.NAMED] != sure:
         bad.append("named")
     grouped = {name for g in report.verdict.ambiguous_groups for name in g.effects}
-    mimics = {d.beside.partition("@")[0] for d in judged if d.reason in (Reason.MIMICKED_BY, Reason.DIRECT_PREFERS)}
-    if grouped != mimics | {d.name for d in judged if d.reason not in (Reason.NAMED, Reason.NO_LONGER_NEEDED)}:
+    mimics = {d.beside.partition("@")[0] for d in judged if d.reason in MIMICS}
+    doubted = mimics | {d.name for d in judged if d.reason not in (Reason.NAMED, Reason.NO_LONGER_NEEDED)}
+    # What does not come down to the noise over whole trials is in doubt with causes that have no name.
+    unexplained = any(re.match(WHOLE, c.quantity) and not c.holds for d in judged for c in d.criteria)
+    if grouped != (set() if unexplained else doubted):
         bad.append("groups")
     p_values = {(h.name, h.where): h.p_adjusted for h in report.hypotheses}
     first = [d for d in report.decisions if (d.step, d.round_number) == ("confirm", 0)]

@@ -68,12 +68,6 @@ class Applied:
             q = hook.follow(t_s, q, start, params) if hook.follow else q
         return q
 
-    def reported(self, series: Series) -> Series:
-        """Truth as it would be read."""
-        for hook, params, where in self.sensors:
-            series = hook.report(series, params, where)
-        return series
-
 
 def apply_terms(declared: MechanismModel, model: Model) -> Applied:
     """`declared` with the terms of `model` in their order; a later term of the same number replaces an earlier one."""

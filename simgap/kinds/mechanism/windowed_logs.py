@@ -19,7 +19,6 @@ from simgap.inference.fit import Errors, Fit
 from simgap.kinds.mechanism.apply_model import Applied, apply_terms
 from simgap.kinds.mechanism.declared_model import build_mechanism
 from simgap.kinds.mechanism.equation_error import SPANS, balance, in_noise_levels, refitted
-from simgap.kinds.mechanism.free_initial_states import FreeInitialStates, initial_states_of, mean_noise
 from simgap.kinds.mechanism.input_timing import TIMINGS, InputTiming, possible_timings, with_timing
 from simgap.kinds.mechanism.logs import log_of
 from simgap.kinds.mechanism.smooth import Smooth
@@ -27,11 +26,8 @@ from simgap.kinds.mechanism.windows import Cut, cut, windows_of
 from simgap.problem import Model, View
 from simgap.recording.read import Measurement
 
-LONG_VIEW: View = "long_horizon"
-_LONG = 5  # short horizons that a long one lasts
-_MEANS = 16  # of a long horizon that are compared: 60 ms each
 _LARGEST_STEP_S = 5e-3
-_STEP_SWING = 0.15  # of a radian of the fastest controlled swing per step; what that leaves is taken out (`starts`)
+_STEP_SWING = 0.15  # of a radian of the fastest controlled swing per step
 _MOST_WINDOWS = 240  # over all trials; each has at least `_LEAST_WINDOWS`
 _LEAST_WINDOWS = 6
 
@@ -81,15 +77,7 @@ class WindowedLogs:
         length = len(log.series.t_s)
         if view == "full_rollout":
             return cut(length, None, log.margin)
-        if view == "short_horizon":
-            return cut(length, self._rows, log.margin, self._windows)
-        long = _LONG * (self._rows - 1) + 1
-        return cut(length, long, log.margin, self._windows, every=self._rows - 1, means=_MEANS)
-
-    def cuts_alike(self, other: WindowedLogs) -> bool:
-        """Whether long horizons of all trials begin and are compared at the same rows."""
-        pairs = ((self.cut(t, LONG_VIEW), other.cut(t, LONG_VIEW)) for t in self.by_trial)
-        return all(a.rows.shape == b.rows.shape and np.array_equal(a.compared, b.compared) for a, b in pairs)
+        return cut(length, self._rows, log.margin, self._windows)
 
     def windows_of(
         self, trials: Sequence[str], view: View, pieces: Sequence[tuple[Series, Cut]], applied: Applied
@@ -114,15 +102,10 @@ class WindowedLogs:
         """(j,) rms noise of smoothed readings, and the start's carried along by the model.
 
         In a straight line at most: a controller soon forgets a start, and without one it would grow with any horizon.
-        Where starts are free, the noise of means of readings.
         """
         key = (view, tuple(trials))
         if key not in self._floors:
             smooth = [self.by_trial[t].smooth for t in trials]
-            if view == LONG_VIEW:
-                noise = [mean_noise(self.by_trial[t].smooth, self.cut(t, view)) for t in trials]
-                self._floors[key] = np.sqrt(np.mean(np.square(noise), axis=0))
-                return self._floors[key]
             read = np.mean([(s.noise_gain * s.q_noise) ** 2 for s in smooth], axis=0)
             ahead = np.mean([(s.qd_noise * self.horizon_s) ** 2 / 3.0 for s in smooth], axis=0)
             self._floors[key] = np.sqrt(read + np.minimum(read + ahead, self._carried(trials, view)))
@@ -147,28 +130,6 @@ class WindowedLogs:
         plain = judged(windows)
         moved = (replace(windows, q0=windows.q0 + noise_q), replace(windows, qd0=windows.qd0 + noise_qd))
         return np.sum([np.nanmean((judged(start) - plain) ** 2, axis=0) for start in moved], axis=0)
-
-
-class InitialStates:
-    """Free initial states of the long horizons, linearised at one model; each trial's are computed once."""
-
-    def __init__(self, logs: WindowedLogs, model: Model, known: Mapping[str, FreeInitialStates] | None = None) -> None:
-        """`known` initial states by trial id are taken as they are."""
-        self.logs, self.model = logs, model
-        self._by_trial = dict(known or {})
-
-    def of(self, trials: Sequence[str]) -> Mapping[str, FreeInitialStates]:
-        """Initial states by trial id, of these trials at least."""
-        new = [t for t in trials if t not in self._by_trial]
-        if new:
-            declared, model = (apply_terms(self.logs.declared, m) for m in ((), self.model))
-            logs = [self.logs.by_trial[t] for t in new]
-            cuts = [self.logs.cut(t, LONG_VIEW) for t in new]
-            states = initial_states_of(
-                declared, model, [g.series for g in logs], cuts, [g.smooth for g in logs], self.logs.step_s
-            )
-            self._by_trial |= dict(zip(new, states, strict=True))
-        return self._by_trial
 
 
 def _largest_step_s(declared: MechanismModel) -> float:

@@ -17,42 +17,20 @@ _JOINT_ROWS_COMPARED = 8  # rows per window that are compared
 
 @dataclass(frozen=True)
 class Cut:
-    """Rows of one trial: (w, k) indices of every window, and (c,) positions in a window that are compared.
-
-    means   compared are means from each position up to the next, of readings as they are: smoothing would round what
-            roll-outs do not.
-    """
+    """Rows of one trial: (w, k) indices of every window, and (c,) positions in a window that are compared."""
 
     rows: IntArray
     compared: IntArray
-    means: bool = False
-
-    @property
-    def column(self) -> str:
-        """The column of readings that roll-outs are compared with."""
-        return "reading" if self.means else "q"
 
     def of(self, values: FloatArray) -> FloatArray:
         """(w, c, ...) what is compared of values (w, k, ...) along windows; later ones are padding."""
-        if not self.means:
-            return values[:, self.compared]
-        length = self.rows.shape[1]
-        counts = np.diff(self.compared, append=length).reshape(1, -1, *[1] * (values.ndim - 2))
-        return np.add.reduceat(values[:, :length], self.compared, axis=1) / counts
+        return values[:, self.compared]
 
 
-def cut(
-    length: int,
-    rows_per_window: int | None,
-    margin: int = 0,
-    most: int = 10**9,
-    every: int | None = None,
-    means: int = 0,
-) -> Cut:
-    """Windows of so many rows, `margin` rows from either end, one `every` so many; None: the whole trial as one.
+def cut(length: int, rows_per_window: int | None, margin: int = 0, most: int = 10**9) -> Cut:
+    """Windows of so many rows side by side, `margin` rows from either end; None: the whole trial as one.
 
-    They lie side by side unless `every` is given. Of more than `most` that many are kept, evenly over the trial.
-    Compared are so many `means` of a window, or single rows.
+    Of more than `most` that many are kept, evenly over the trial.
     """
     inner = length - 2 * margin
     if rows_per_window is None or rows_per_window >= inner:
@@ -60,12 +38,9 @@ def cut(
         starts, k = np.array([margin]), length - 2 * margin
     else:
         k = rows_per_window
-        starts = np.arange(margin, length - margin - k + 1, every or k - 1)
+        starts = np.arange(margin, length - margin - k + 1, k - 1)
         if len(starts) > most:
             starts = starts[np.unique(np.linspace(0, len(starts) - 1, most).round().astype(int))]
-    if means:
-        ends = np.unique(np.linspace(1, k, means + 1).round().astype(int))
-        return Cut(starts[:, None] + np.arange(k), ends[:-1], means=True)
     compared = np.unique(
         np.linspace(1, k - 1, _JOINT_ROWS_COMPARED if rows_per_window else 40 * _JOINT_ROWS_COMPARED)
         .round()

@@ -15,7 +15,7 @@ from tests.suites.gap.mechanism_cases import mechanism_case
 from tests.support.gap_decisions import DECIDES, PASSES, contradictions
 
 
-@pytest.fixture(scope="module", params=[5007, 5041], ids=["a group", "nothing"])
+@pytest.fixture(scope="module", params=[5007, 5003], ids=["a group", "nothing"])
 def report(request: pytest.FixtureRequest) -> GapReport:
     """What a real search reports, as its file holds it."""
     case = mechanism_case(request.param)

@@ -63,7 +63,7 @@ def _search(count: int, alike: float) -> tuple[SearchState, Accepted, list[Candi
     first, *others = this.fits
     accepted = Accepted(first, this, this.p_adjusted[0], tuple(others), MethodBias())
     trials = Trials(tuple(f"t{k}" for k in range(TRIALS)), ())
-    here = SearchState(columns, trials, "short_horizon", np.ones(1), errors, first.fit)  # pyright: ignore[reportArgumentType]
+    here = SearchState(columns, trials, np.ones(1), errors, first.fit)  # pyright: ignore[reportArgumentType]
     return here, accepted, others
 
 

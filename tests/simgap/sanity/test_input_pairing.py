@@ -31,7 +31,7 @@ def problem_of(number: int) -> MechanismProblem:
 def test_a_model_does_better_with_its_own_inputs_if_they_are_its_own(numbers: tuple[int, ...], status: str) -> None:
     for number in numbers:
         problem = problem_of(number)
-        trap = pairing_check(problem, (), problem.trial_ids, "long_horizon")
+        trap = pairing_check(problem, (), problem.trial_ids)
         assert trap is not None
         assert trap.status == status
 
@@ -43,7 +43,7 @@ def test_a_model_does_better_with_its_own_inputs_if_they_are_its_own(numbers: tu
 )
 def test_inputs_of_others_are_noticed_before_anything_is_searched(numbers: tuple[int, ...], status: str) -> None:
     for number in numbers:
-        trap = other_inputs_check(problem_of(number), "long_horizon")
+        trap = other_inputs_check(problem_of(number))
         assert trap is not None
         assert trap.status == status
 
@@ -61,8 +61,8 @@ def test_nothing_is_searched_where_inputs_belong_to_others() -> None:
 
 def test_nothing_is_said_where_nothing_drives() -> None:
     problem = problem_of(FREE[0])
-    assert pairing_check(problem, (), problem.trial_ids, "long_horizon") is None
-    assert other_inputs_check(problem, "long_horizon") is None
+    assert pairing_check(problem, (), problem.trial_ids) is None
+    assert other_inputs_check(problem) is None
 
 
 def test_trials_that_are_driven_alike_tell_nothing() -> None:

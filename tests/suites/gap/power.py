@@ -6,9 +6,13 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from simgap.inference.fit import Fit, fit, robust_scale, rollout_errors
+from simgap.inference.fit import fit, robust_scale, rollout_errors
 from simgap.inference.losses import paired_p, trial_losses
+from simgap.kinds.mechanism.problem import MechanismProblem
+from simgap.kinds.mechanism.whole_trials import MechanismTrials
 from simgap.problem import Problem
+from simgap.whole_trials.ladder import ladder_of
+from simgap.whole_trials.policy import POLICY
 
 GAINS = {"small": 0.02, "middle": 0.10, "large": 0.40}  # shares of the null refit's rms error
 _TRIES = 7
@@ -22,10 +26,11 @@ def size_of(gain: float) -> str:
 
 def null_error(problem: Problem, scale: np.ndarray | None = None) -> tuple[float, np.ndarray]:
     """Root of the null refit's mean loss over all trials, in levels `scale` (c,; default: what it leaves itself)."""
-    ids, view = problem.trial_ids, "short_horizon"
-    null_fit = fit(rollout_errors(problem, ids, view, robust_scale(problem, (), ids, view)), problem.nuisances())
-    level = robust_scale(problem, null_fit.model, ids, view) if scale is None else scale
-    return float(np.sqrt(trial_losses(problem.residuals(null_fit.model, ids, view), level).mean())), level
+    ids = problem.trial_ids
+    null_fit = fit(rollout_errors(problem, ids, robust_scale(problem, (), ids)), problem.nuisances())
+    level = robust_scale(problem, null_fit.model, ids) if scale is None else scale
+    losses = trial_losses(problem.residuals(null_fit.model, ids, "short_horizon"), level)
+    return float(np.sqrt(losses.mean())), level
 
 
 def ideal_gain(hidden: Problem, plain: Problem) -> float:
@@ -57,19 +62,25 @@ def sized(problem_at: Callable[[float], Problem], guess: float, most: float, aim
     return float(np.exp(best[0])), best[2]
 
 
-def chance(hidden: Problem, plain: Problem, trials: Sequence[str]) -> float:
-    """p-value of a perfect model against the null refit: Student's test, as the tool's, over its training trials.
+def chance(hidden: MechanismProblem, plain: MechanismProblem, trials: Sequence[str]) -> float:
+    """p-value of a perfect model against the null refit over whole training trials: Student's test over trials.
 
-    One second per roll-out. Where an effect acts in one or two trials only, no test over trials can distinguish it from
-    an accident of those, however much it does there.
+    Where an effect acts in one or two trials only, no test over trials can distinguish it from an accident of those,
+    however much it does there.
     """
-    view = "long_horizon"
+    without, level = _mean_squares(plain, trials, None)
+    return paired_p(_mean_squares(hidden, trials, level)[0], without)
 
-    def refitted(problem: Problem, scale: np.ndarray | None) -> tuple[Fit, np.ndarray]:
-        first = fit(rollout_errors(problem, trials, view, robust_scale(problem, (), trials, view)), problem.nuisances())
-        here = problem.with_initial_states_at(first.model)
-        level = robust_scale(here, first.model, trials, view) if scale is None else scale
-        return fit(rollout_errors(here, trials, view, level), problem.nuisances()), level
 
-    without, level = refitted(plain, None)
-    return paired_p(refitted(hidden, level)[0].losses, without.losses)
+def _mean_squares(
+    problem: MechanismProblem, trials: Sequence[str], level: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean square errors (t,) that the null refit leaves of whole trials, in levels (j,; default: its own noise)."""
+    ladder = ladder_of(problem.whole_trials(trials), problem.nuisances(), POLICY)
+    whole, null = ladder.whole, ladder.nulls[-1]
+    assert isinstance(whole, MechanismTrials)
+    level = whole.noise if level is None else level
+    errors = whole.errors(null.model, null.starts[None])[0].reshape(len(null.starts), -1, whole.channel_count)
+    squares = (errors * whole.noise / level) ** 2
+    number = np.array([trial for trial, _ in whole.piece_starts])
+    return np.array([np.nanmean(squares[number == k]) for k in range(len(trials))]), level

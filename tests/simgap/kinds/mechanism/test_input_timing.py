@@ -123,7 +123,7 @@ def _servo(late_loop: bool, late_reading: bool) -> MechanismProblem:
     [(True, True, "stamps"), (False, True, "even_inputs"), (False, False, "even")],
 )
 def test_the_motion_tells_when_inputs_act_and_readings_were_taken(late_loop: bool, late_reading: bool, timing: str):
-    found = _servo(late_loop, late_reading).with_initial_states_at(())
+    found = _servo(late_loop, late_reading).with_input_timing()
     assert found.timing == timing
     timing_check = found.timing_check()
     assert timing_check is not None
@@ -136,7 +136,7 @@ def test_inputs_that_no_motion_hears_of_leave_the_stamps():
     problem = _servo(True, True)
     rng = np.random.default_rng(2)
     trials = tuple(replace(t, q=rng.normal(size=t.q.shape)) for t in problem.measurement.trials)
-    found = MechanismProblem(replace(problem.measurement, trials=trials)).with_initial_states_at(())
+    found = MechanismProblem(replace(problem.measurement, trials=trials)).with_input_timing()
     assert found.timing == "stamps"
 
 
@@ -165,5 +165,5 @@ def test_beats_that_cut_windows_differently_are_compared_too():
         trials.append(_trial(f"t{k}", np.maximum.accumulate(stamps), command, command + rng.normal(0, 1e-4, (1000, 1))))
     for some in (trials, [replace(t, t_s=t.t_s * 1.0007) for t in trials]):
         problem = MechanismProblem(Measurement(spec, tuple(some), Path("."), "servo", ("axis",)))
-        found = problem.with_initial_states_at(())
-        assert len(found.residuals((), found.trial_ids, "long_horizon")) == 2
+        found = problem.with_input_timing()
+        assert len(found.residuals((), found.trial_ids, "short_horizon")) == 2
