@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from schemas.diagnostics import InvalidInput
-from sim.effects.candidacy import ImpactCandidacy, MechanismCandidacy, PushCandidacy, TossCandidacy
+from sim.effects.candidacy import never
 from sim.effects.effect import Effect
 from simgap.kinds.free_body import candidates as free_body_candidates
 from simgap.kinds.mechanism import candidates as mechanism_candidates
@@ -24,7 +24,7 @@ _TABLES = (mechanism_candidates, free_body_candidates)
 
 
 def find_in(folder: Path, out: Path, left_out: Sequence[str] = ()) -> dict[str, Any]:
-    """The report of a measurement folder, with effects of the library left out; a refused folder gives its diagnostic."""
+    """The report of a measurement folder, without the effects left out; a refused folder gives its diagnostic."""
     try:
         with _library_without(left_out):
             find(folder, out, engine=ENGINE, quick=True)
@@ -39,8 +39,16 @@ def _library_without(names: Sequence[str]) -> Iterator[None]:
     before = [table.EFFECTS for table in _TABLES]
     try:
         for table in _TABLES:
-            table.EFFECTS = tuple(_hidden(e) if e.name in names else e for e in table.EFFECTS)  # pyright: ignore[reportAttributeAccessIssue]
+            table.EFFECTS = tuple(_unobservable(e) if e.name in names else e for e in table.EFFECTS)
         yield
     finally:
         for table, effects in zip(_TABLES, before, strict=True):
             table.EFFECTS = effects
+
+
+def _unobservable(effect: Effect) -> Effect:
+    return replace(
+        effect,
+        mechanism=replace(effect.mechanism, observable=never),
+        free_body=replace(effect.free_body, observable=never),
+    )

@@ -1,4 +1,4 @@
-"""Logs as users have them: noise, quantisation, corrupted rows, zero-phase filters, other sampling, any column names."""
+"""Logs as users have them: noise, quantisation, corrupted rows, zero-phase filters, other rates, any column names."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ SCENES = (*FREE, *DRIVEN, *SERVO)
 SMALLEST_M, LARGEST_M = 0.03, 1.5
 LIGHTEST_KG, HEAVIEST_KG = 0.005, 50.0
 _LEAD_S = 0.1  # the mechanism runs that long before the first row, so that late sensors have something to read
-_MOST_ROWS = 16000
+_MOST_ROWS = 8000
 _MOST_S = 60.0  # of all trials together
 
 

@@ -11,7 +11,7 @@ FAMILIES: tuple[Family, ...] = ("control", "single", "two", "twin", "outside", "
 
 @dataclass(frozen=True)
 class HiddenEffect:
-    """One hidden cause: its name, joint ("" for the whole log), and those library parameters that are the same number."""
+    """One hidden cause: its name, joint ("" for the whole log), and library parameters of the same meaning."""
 
     name: str
     joint: str = ""
