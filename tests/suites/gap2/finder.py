@@ -29,7 +29,7 @@ def find_in(folder: Path, out: Path, left_out: Sequence[str] = ()) -> dict[str, 
         with _library_without(left_out):
             find(folder, out, engine=ENGINE, quick=True)
     except InvalidInput as refused:
-        return {"refused": f"{refused.diagnostic.code}: {refused.diagnostic.message}"}
+        return {"refused": f"{refused.diagnostic.code}: {refused.diagnostic.headline}"}
     return json.loads((out / "report.json").read_bytes())
 
 
@@ -39,11 +39,11 @@ def _library_without(names: Sequence[str]) -> Iterator[None]:
     before = [table.EFFECTS for table in _TABLES]
     try:
         for table in _TABLES:
-            table.EFFECTS = tuple(_unobservable(e) if e.name in names else e for e in table.EFFECTS)
+            vars(table)["EFFECTS"] = tuple(_unobservable(e) if e.name in names else e for e in table.EFFECTS)
         yield
     finally:
         for table, effects in zip(_TABLES, before, strict=True):
-            table.EFFECTS = effects
+            vars(table)["EFFECTS"] = effects
 
 
 def _unobservable(effect: Effect) -> Effect:

@@ -22,11 +22,12 @@ from typing import Any
 from tests.suites.gap2.finder import find_in
 from tests.suites.gap2.foreign import foreign_cases
 from tests.suites.gap2.generate.cases import CaseFiles, family_of, mechanism_case, write_case
+from tests.suites.gap2.generate.tosses import toss_case
 from tests.suites.gap2.generate.truth import FAMILIES, Truth
 from tests.suites.gap2.score import line, scored_record, table
 
 Record = dict[str, Any]
-KINDS: dict[str, Callable[[int], CaseFiles]] = {"mechanism": mechanism_case}
+KINDS: dict[str, Callable[[int], CaseFiles]] = {"mechanism": mechanism_case, "toss": toss_case}
 _KEPT = ("verdict", "traps", "gains", "n_train", "n_test", "wall_s")
 
 
@@ -68,15 +69,7 @@ def main() -> None:
     parser.add_argument("--resume", type=Path, required=True, help="folder of one record per case, read and filled")
     parser.add_argument("--score-foreign", type=Path, metavar="DIR", help="run somebody else's cases instead")
     asked = parser.parse_args()
-    work: list[tuple[Path, Callable[..., Record], tuple[Any, ...]]] = []
-    if asked.score_foreign is not None:
-        for folder, truth in foreign_cases(asked.score_foreign):
-            if asked.family in (None, truth.family) and (not asked.only or truth.number in asked.only):
-                work.append((asked.resume / f"foreign_{truth.number:04d}.json", run_foreign, (folder, truth)))
-    else:
-        for number in asked.only or range(asked.start, asked.start + asked.n):
-            if asked.family in (None, family_of(number)):
-                work.append((asked.resume / f"{asked.kind}_{number:05d}.json", run_number, (asked.kind, number)))
+    work = _foreign_work(asked) if asked.score_foreign is not None else _generated_work(asked)
     cases = []
     for record in _records(work, asked.jobs):
         cases.append(scored_record(record))
@@ -85,7 +78,26 @@ def main() -> None:
     print(table(cases))
 
 
-def _records(work: Sequence[tuple[Path, Callable[..., Record], tuple[Any, ...]]], jobs: int) -> Iterator[Record]:
+Work = tuple[Path, Callable[..., Record], tuple[Any, ...]]  # the record's file, what makes it, from what
+
+
+def _foreign_work(asked: argparse.Namespace) -> list[Work]:
+    return [
+        (asked.resume / f"foreign_{truth.number:04d}.json", run_foreign, (folder, truth))
+        for folder, truth in foreign_cases(asked.score_foreign)
+        if asked.family in (None, truth.family) and (not asked.only or truth.number in asked.only)
+    ]
+
+
+def _generated_work(asked: argparse.Namespace) -> list[Work]:
+    return [
+        (asked.resume / f"{asked.kind}_{number:05d}.json", run_number, (asked.kind, number))
+        for number in asked.only or range(asked.start, asked.start + asked.n)
+        if asked.family in (None, family_of(number))
+    ]
+
+
+def _records(work: Sequence[Work], jobs: int) -> Iterator[Record]:
     """Records in order, from their files or run now; each is written as soon as it is done."""
     todo = [w for w in work if not w[0].exists()]
     if jobs > 1 and len(todo) > 1:
@@ -99,7 +111,7 @@ def _records(work: Sequence[tuple[Path, Callable[..., Record], tuple[Any, ...]]]
         yield json.loads(item[0].read_text())
 
 
-def _run_into(item: tuple[Path, Callable[..., Record], tuple[Any, ...]]) -> None:
+def _run_into(item: Work) -> None:
     file, run, arguments = item
     file.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(run(*arguments), indent=1) + "\n"

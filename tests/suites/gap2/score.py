@@ -139,16 +139,8 @@ def table(cases: Sequence[Scored]) -> str:
     for kind, title in (("mechanism", "Mechanisms"), ("free_body", "Tosses")):
         some = [c for c in cases if c.truth.kind == kind]
         if some:
-            parts += [
-                f"### {title}: {len(some)} cases",
-                "",
-                *_targets(some),
-                "",
-                *_categories(some),
-                "",
-                *_failures(some),
-                "",
-            ]
+            parts += [f"### {title}: {len(some)} cases", ""]
+            parts += [*_targets(some), "", *_categories(some), "", *_failures(some), ""]
     return "\n".join(parts)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from tests.suites.gap2.generate.causes import LIBRARY, OUTSIDE, PAIRS, TWINS, Cause, Where, library_cause
 from tests.suites.gap2.generate.logs import csv_bytes, declared, draw_style, written
 from tests.suites.gap2.generate.parameters import Number
-from tests.suites.gap2.generate.plant import Hidden, Plant, observe
+from tests.suites.gap2.generate.plant import Hidden, Plant, Trial, observe
 from tests.suites.gap2.generate.power import LEVELS, Readings, miss, strength_for
 from tests.suites.gap2.generate.rivals import CLOSE, SAME, rivals_of
 from tests.suites.gap2.generate.scenes import SCENES, Recording, draw_plant, draw_recording, sizes_of
@@ -134,7 +134,8 @@ def _with_causes(
     number: int, family: Family, scene: str, causes: Sequence[Cause], level: str, twin: str, rng: np.random.Generator
 ) -> _Made:
     rubs = any(c.rubs for c in causes) or twin in ("joint.friction_asymmetry", "sensor.scale")
-    plant, period = draw_plant(scene, rng, rubs=rubs)
+    bare = twin in ("joint.armature", "joint.gravity_load") and scene == "pendulum"  # friction would tell them apart
+    plant, period = draw_plant(scene, rng, rubs=rubs, bare=bare)
     recording = draw_recording(plant, period, rng, supply=any(c.supply for c in causes))
     joint = int(rng.integers(plant.joints))
     where = Where(plant, joint, sizes_of(plant, recording, joint), rng.random(4))
@@ -180,7 +181,12 @@ def _labelled(made: _Made, cause: Cause) -> _Made:
     """The case with what else explains it."""
     joint, draws = int(made.truth.log["joint"]), np.array(made.truth.log["draws"])
     where = Where(made.plant, joint, sizes_of(made.plant, made.recording, joint), draws)
-    visible, rivals = rivals_of((cause.name,), where, made.recording, made.readings)
+    strength = made.truth.effects[0].strength
+
+    def readings_at(share: float, trials: Sequence[Trial]) -> Readings:
+        return observe(made.plant, cause.hidden(share * strength, where), trials, made.recording.step_s)
+
+    visible, rivals = rivals_of((cause.name,), where, made.recording, readings_at)
     truth = replace(
         made.truth,
         visible=visible,

@@ -111,7 +111,7 @@ def _share(s: float, w: Where) -> float:
 
 
 # Least relative change: an owner trusts declared numbers to 5 %, and what lies within is no effect.
-_TRUSTED = 0.1
+_TRUSTED = 0.15
 _F, _B = Number.COULOMB, Number.VISCOUS
 
 LIBRARY: tuple[Cause, ...] = (

@@ -14,6 +14,7 @@ FloatArray = np.ndarray
 GRAVITY = 9.81  # m/s2
 DRIVES = {"none": kernel.FREE, "effort": kernel.EFFORT, "position_pd": kernel.POSITION}
 _NANOSECONDS = 9  # decimals to which instants are merged
+_INSTANT_S = 5e-5  # time constants below are none
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,24 @@ class Plant:
                 beyond = sum(self.mass[m] * self.offset_m[i + 1] * self.offset_m[k + 1] for m in range(k + 1, n))
                 A[i, k] = A[k, i] = self.mass[k] * self.offset_m[i + 1] * self.lever[k] + beyond
         return A, W * (GRAVITY if self.upright else 0.0)
+
+
+def _settle(numbers: FloatArray) -> float:
+    """The step (s) that the fastest part of a joint allows; what is faster than any step of ours is made instant."""
+    for which in (Number.LAG, Number.SENSOR_LAG):
+        if numbers[which] < _INSTANT_S:
+            numbers[which] = 0.0
+    for which in (Number.FILTER_RATE, Number.SENSOR_RATE):
+        if numbers[which] * _INSTANT_S > 1.0:
+            numbers[which] = 0.0
+    motor, stiffest = numbers[Number.MOTOR_INERTIA], numbers[Number.MOTOR_INERTIA] / (2.0 * _INSTANT_S) ** 2
+    if numbers[Number.GEAR_STIFFNESS] > stiffest:
+        numbers[Number.GEAR_STIFFNESS] = stiffest
+        numbers[Number.GEAR_LOSS] = min(numbers[Number.GEAR_LOSS], np.sqrt(stiffest * motor))
+    times = [numbers[Number.LAG], numbers[Number.SENSOR_LAG]]
+    times += [1.0 / numbers[n] if numbers[n] else 0.0 for n in (Number.FILTER_RATE, Number.SENSOR_RATE)]
+    times.append(0.5 * np.sqrt(motor / numbers[Number.GEAR_STIFFNESS]) if motor else 0.0)
+    return min((float(t) for t in times if t > 0.0), default=np.inf)
 
 
 def believed_numbers(joints: int) -> FloatArray:
@@ -140,6 +159,7 @@ def read_segments(
     numbers = plant.numbers.copy()
     for which, value in hidden.numbers.items():
         numbers[joint if which != Number.TILT else 0, which] = value
+    step_s = min(step_s, _settle(numbers[joint]))
     A, W = plant.couplings()
     breaks, inputs, supply, reads, early = [], [], [], [], []
     for s in segments:

@@ -44,7 +44,9 @@ def _squares(
         rows = np.unique(np.searchsorted(t, marks - 1e-9))
         for first, last in zip(rows, [*rows[1:], len(t) - 1], strict=True):
             # The last row of a window is the first of the next: it is predicted, then replaced.
-            segments.append(Segment(i, first, min(last + 1, len(t)), np.concatenate([q[first], v[first]]), t[first]))
+            segments.append(
+                Segment(i, first, min(last + 1, len(t)), np.concatenate([q[first], v[first]]), float(t[first]))
+            )
     predicted = read_segments(plant, Hidden(), trials, segments, step_s)
     squares: list[list[FloatArray]] = [[] for _ in trials]
     for s, (p, _) in zip(segments, predicted, strict=True):

@@ -59,8 +59,8 @@ class Sizes:
     period_s: float
 
 
-def draw_plant(scene: str, rng: np.random.Generator, *, rubs: bool = False) -> tuple[Plant, float]:
-    """A mechanism and its own time (s); with `rubs` its owner knows of dry friction at each joint."""
+def draw_plant(scene: str, rng: np.random.Generator, *, rubs: bool = False, bare: bool = False) -> tuple[Plant, float]:
+    """A mechanism and its own time (s); with `rubs` its owner knows of dry friction at each joint, `bare` of none."""
     shape, _, drive = scene.partition("_")
     n = {"chain2": 2, "chain3": 3}.get(shape, 1)
     slides, upright = shape == "slide", shape not in ("slide", "door")
@@ -92,6 +92,8 @@ def draw_plant(scene: str, rng: np.random.Generator, *, rubs: bool = False) -> t
         numbers[:, Number.VISCOUS] = own * pace * rng.uniform(0.08, 0.3)
     elif rng.random() < 0.7:
         numbers[:, Number.VISCOUS] = own * pace * rng.uniform(0.01, 0.1)
+    if bare:
+        numbers[:, [Number.COULOMB, Number.VISCOUS]] = 0.0
     return plant, period
 
 
