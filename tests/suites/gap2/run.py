@@ -53,8 +53,8 @@ def run_folder(folder: Path, truth: Truth) -> Record:
     began = time.process_time()
     report = find_in(folder, folder.parent / "out", truth.left_out)
     spent = time.process_time() - began
-    kept = {k: v for k, v in report.items() if k in _KEPT or k == "refused"}
-    return {"truth": truth.as_dict(), "report": kept, "cpu_s": round(spent, 2)}
+    judged = {k: v for k, v in report.items() if k in _KEPT or k == "refused"}
+    return {"truth": truth.as_dict(), "report": judged, "cpu_s": round(spent, 2)}
 
 
 def main() -> None:

@@ -43,7 +43,7 @@ class CaseFiles:
 
 
 @dataclass(frozen=True)
-class _Made:
+class _Draft:
     plant: Plant
     recording: Recording
     readings: Readings
@@ -60,8 +60,8 @@ def mechanism_case(number: int) -> CaseFiles:
     """The case of that number; the same number gives the same bytes."""
     family = family_of(number)
     turn = number // len(ROUND) * ROUND.count(family) + ROUND[: number % len(ROUND)].count(family)
-    made = _control(number, turn) if family == "control" else _hiding(number, family, turn)
-    return _files(made, np.random.default_rng([SEED, number, 999]))
+    draft = _control(number, turn) if family == "control" else _hiding(number, family, turn)
+    return _files(draft, np.random.default_rng([SEED, number, 999]))
 
 
 def write_case(case: CaseFiles, folder: Path) -> Path:
@@ -74,7 +74,7 @@ def write_case(case: CaseFiles, folder: Path) -> Path:
     return root
 
 
-def _control(number: int, turn: int) -> _Made:
+def _control(number: int, turn: int) -> _Draft:
     """Nothing hidden: as believed; numbers off by a few percent; a noisy coloured sensor; another integrator."""
     rng = np.random.default_rng([SEED, number])
     kind, scene = CONTROLS[turn % len(CONTROLS)], SCENES[(turn * 5 + turn // len(CONTROLS)) % len(SCENES)]
@@ -94,20 +94,20 @@ def _control(number: int, turn: int) -> _Made:
                 break
             step *= 0.5
     truth = _truth(number, "control", plant, recording, readings, control=kind)
-    return _Made(plant, recording, readings, truth, _COLOUR if kind == "noise" else 0.0)
+    return _Draft(plant, recording, readings, truth, _COLOUR if kind == "noise" else 0.0)
 
 
-def _hiding(number: int, family: Family, turn: int) -> _Made:
+def _hiding(number: int, family: Family, turn: int) -> _Draft:
     causes, scenes, level, twin = _chosen(family, turn)
-    best: _Made | None = None
+    best: _Draft | None = None
     for attempt in range(_ATTEMPTS):
         rng = np.random.default_rng([SEED, number, attempt])
         scene = scenes[int(rng.integers(len(scenes)))]
-        made = _with_causes(number, family, scene, causes, level, twin, rng)
-        if best is None or made.truth.miss > best.truth.miss:
-            best = made
-        if made.truth.level_reached:
-            best = made
+        draft = _with_causes(number, family, scene, causes, level, twin, rng)
+        if best is None or draft.truth.miss > best.truth.miss:
+            best = draft
+        if draft.truth.level_reached:
+            best = draft
             break
     assert best is not None
     return best if family == "two" else _labelled(best, causes[0])
@@ -132,7 +132,7 @@ def _chosen(family: Family, turn: int) -> tuple[list[Cause], Sequence[str], str,
 
 def _with_causes(
     number: int, family: Family, scene: str, causes: Sequence[Cause], level: str, twin: str, rng: np.random.Generator
-) -> _Made:
+) -> _Draft:
     rubs = any(c.rubs for c in causes) or twin in ("joint.friction_asymmetry", "sensor.scale")
     bare = twin in ("joint.armature", "joint.gravity_load") and scene == "pendulum"  # friction would tell them apart
     plant, period = draw_plant(scene, rng, rubs=rubs, bare=bare)
@@ -159,7 +159,7 @@ def _with_causes(
         twin=twin,
         left_out=(causes[0].name,) if family == "left_out" else (),
     )
-    return _Made(plant, recording, readings, replace(truth, log={"joint": joint, "draws": where.draws.tolist()}))
+    return _Draft(plant, recording, readings, replace(truth, log={"joint": joint, "draws": where.draws.tolist()}))
 
 
 def _sized(cause: Cause, where: Where, recording: Recording, level: str) -> tuple[float, Recording, bool]:
@@ -177,24 +177,24 @@ def _sized(cause: Cause, where: Where, recording: Recording, level: str) -> tupl
     return strength, recording, reached
 
 
-def _labelled(made: _Made, cause: Cause) -> _Made:
+def _labelled(draft: _Draft, cause: Cause) -> _Draft:
     """The case with what else explains it."""
-    joint, draws = int(made.truth.log["joint"]), np.array(made.truth.log["draws"])
-    where = Where(made.plant, joint, sizes_of(made.plant, made.recording, joint), draws)
-    strength = made.truth.effects[0].strength
+    joint, draws = int(draft.truth.log["joint"]), np.array(draft.truth.log["draws"])
+    where = Where(draft.plant, joint, sizes_of(draft.plant, draft.recording, joint), draws)
+    strength = draft.truth.effects[0].strength
 
     def readings_at(share: float, trials: Sequence[Trial]) -> Readings:
-        return observe(made.plant, cause.hidden(share * strength, where), trials, made.recording.step_s)
+        return observe(draft.plant, cause.hidden(share * strength, where), trials, draft.recording.step_s)
 
-    visible, rivals = rivals_of((cause.name,), where, made.recording, readings_at)
+    visible, rivals = rivals_of((cause.name,), where, draft.recording, readings_at)
     truth = replace(
-        made.truth,
+        draft.truth,
         visible=visible,
         rivals={r.name: float(f"{r.noncentrality:.4g}") for r in rivals},
         accept=tuple(r.name for r in rivals if r.noncentrality < SAME),
         near=tuple(r.name for r in rivals if SAME <= r.noncentrality < CLOSE),
     )
-    return replace(made, truth=truth)
+    return replace(draft, truth=truth)
 
 
 def _truth(
@@ -230,10 +230,10 @@ def _slightly_off(plant: Plant, rng: np.random.Generator) -> Plant:
     return replace(plant, inertia=plant.inertia * off(), numbers=numbers)
 
 
-def _files(made: _Made, rng: np.random.Generator) -> CaseFiles:
-    plant, recording = made.plant, made.recording
-    style = draw_style(plant, recording, rng, colour=made.colour)
-    tables, sigma = written(plant, recording, made.readings, style, rng)
+def _files(draft: _Draft, rng: np.random.Generator) -> CaseFiles:
+    plant, recording = draft.plant, draft.recording
+    style = draw_style(plant, recording, rng, colour=draft.colour)
+    tables, sigma = written(plant, recording, draft.readings, style, rng)
     files = {f"trajectories/{name}.csv": csv_bytes(table, list(table)) for name, table in tables.items()}
     digest = hashlib.sha256()
     for name in sorted(files):
@@ -241,7 +241,7 @@ def _files(made: _Made, rng: np.random.Generator) -> CaseFiles:
     measurement = digest.hexdigest()[:16]
     spec = declared(plant, recording, style, tables, sigma, measurement, rng)
     files["measurement.yaml"] = (json.dumps(spec, indent=1) + "\n").encode()  # JSON is YAML
-    effects = tuple(replace(e, joint=style.joints[int(e.joint)] if e.joint else "") for e in made.truth.effects)
+    effects = tuple(replace(e, joint=style.joints[int(e.joint)] if e.joint else "") for e in draft.truth.effects)
     log = {
         "rate_hz": recording.rate_hz,
         "trials": len(recording.trials),
@@ -252,5 +252,5 @@ def _files(made: _Made, rng: np.random.Generator) -> CaseFiles:
         "quantised": style.count,
         "noise_left": sigma,
     }
-    truth = replace(made.truth, measurement=measurement, effects=effects, log=log)
+    truth = replace(draft.truth, measurement=measurement, effects=effects, log=log)
     return CaseFiles(files, truth)

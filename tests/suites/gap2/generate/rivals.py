@@ -235,7 +235,7 @@ class _Refit:
     ) -> tuple[list[list[FloatArray]], list[list[FloatArray]]]:
         """Columns by segment of the shared values (x, then nuisances) and of the segment's own start."""
         shared: list[list[FloatArray]] = [[] for _ in self.parts]
-        own: list[list[FloatArray]] = [[] for _ in self.parts]
+        by_start: list[list[FloatArray]] = [[] for _ in self.parts]
 
         def add(to: list[list[FloatArray]], moved: Sequence[FloatArray], step: float) -> None:
             for columns, a, b in zip(to, moved, at, strict=True):
@@ -251,8 +251,8 @@ class _Refit:
         size[self.where.plant.joints :] = self.where.sizes.speed
         for k in range(len(size)):
             move = 1e-4 * size * (np.arange(len(size)) == k)
-            add(own, self.errors(make, x, shares, [s + move for s in starts]), 1e-4)
-        return shared, own
+            add(by_start, self.errors(make, x, shares, [s + move for s in starts]), 1e-4)
+        return shared, by_start
 
     def carried(self, fit: _Fit, to: _Refit, grown: float) -> tuple[Values, Values, list[FloatArray]]:
         """Values and starts of a fit here, carried over to readings with `grown` times the strength."""
@@ -267,10 +267,12 @@ class _Refit:
         at = self.errors(make, x, shares, starts)
         cost = _cost(at, shares)
         for _ in range(_ROUNDS):
-            shared, own = self.jacobian(make, x, shares, starts, at)
-            if not all(np.isfinite(c).all() and np.abs(c).max() < _DIVERGED for part in (*shared, *own) for c in part):
+            shared, by_start = self.jacobian(make, x, shares, starts, at)
+            if not all(
+                np.isfinite(c).all() and np.abs(c).max() < _DIVERGED for part in (*shared, *by_start) for c in part
+            ):
                 break
-            step, moves = gauss_newton(shared, own, at, shares, count)
+            step, moves = gauss_newton(shared, by_start, at, shares, count)
             for fraction in (1.0, 0.3, 0.05):
                 x_new, shares_new = x + fraction * step[:count], shares + fraction * step[count:]
                 starts_new = [s + fraction * size * m for s, m in zip(starts, moves, strict=True)]
@@ -290,10 +292,10 @@ class _Refit:
         """Rivals that take most of what the null refit leaves, to first order, the best first."""
         none: Make = lambda plant, x: Hidden(self.where.joint)  # noqa: E731
         shares, starts, at = null.shares, null.starts, null.errors
-        shared, own = self.jacobian(none, np.zeros(0), shares, starts, at)
+        shared, by_start = self.jacobian(none, np.zeros(0), shares, starts, at)
         if not np.isfinite(null.cost):
             return []
-        signal, basis = _projected(at, shares, shared, own)
+        signal, basis = _projected(at, shares, shared, by_start)
         explained = {}
         for name, (make, count) in makers.items():
             columns: list[list[FloatArray]] = [[] for _ in self.parts]
@@ -301,7 +303,7 @@ class _Refit:
                 x = _STEP * (np.arange(count) == k)
                 for part, a, b in zip(columns, self.errors(make, x, shares, starts), at, strict=True):
                     part.append((a - b) / _STEP)
-            directions = np.stack([_without(own, [c[k] for c in columns], basis) for k in range(count)], axis=1)
+            directions = np.stack([_without(by_start, [c[k] for c in columns], basis) for k in range(count)], axis=1)
             if not np.isfinite(directions).all():
                 continue
             fitted = directions @ np.linalg.lstsq(directions, signal, rcond=1e-9)[0]
@@ -316,37 +318,37 @@ def _cost(errors: Sequence[FloatArray], shares: Values) -> float:
     return sum(float(e @ e) for e in errors) + float(((shares / TOLERANCE) ** 2).sum())
 
 
-def _free_of_starts(own: Sequence[Sequence[FloatArray]], values: Sequence[FloatArray]) -> FloatArray:
+def _free_of_starts(by_start: Sequence[Sequence[FloatArray]], values: Sequence[FloatArray]) -> FloatArray:
     """Values by segment, each without what its own start explains, in one array."""
     out = []
-    for columns, value in zip(own, values, strict=True):
+    for columns, value in zip(by_start, values, strict=True):
         Q = np.linalg.qr(np.stack(columns, axis=1))[0]
         out.append(value - Q @ (Q.T @ value))
     return np.concatenate(out)
 
 
-def _projected(at, shares: Values, shared, own) -> tuple[FloatArray, FloatArray]:
+def _projected(at, shares: Values, shared, by_start) -> tuple[FloatArray, FloatArray]:
     """The errors without starts and nuisances, and an orthonormal basis of the nuisances; priors are the last rows."""
     count = len(shares)
     columns = [
-        np.concatenate([_free_of_starts(own, [c[k] for c in shared]), (np.arange(count) == k) / TOLERANCE])
+        np.concatenate([_free_of_starts(by_start, [c[k] for c in shared]), (np.arange(count) == k) / TOLERANCE])
         for k in range(count)
     ]
     basis = np.linalg.qr(np.stack(columns, axis=1))[0]
-    signal = np.concatenate([_free_of_starts(own, at), shares / TOLERANCE])
+    signal = np.concatenate([_free_of_starts(by_start, at), shares / TOLERANCE])
     return signal - basis @ (basis.T @ signal), basis
 
 
-def _without(own, values: Sequence[FloatArray], basis: FloatArray) -> FloatArray:
-    value = np.concatenate([_free_of_starts(own, values), np.zeros(basis.shape[1])])
+def _without(by_start, values: Sequence[FloatArray], basis: FloatArray) -> FloatArray:
+    value = np.concatenate([_free_of_starts(by_start, values), np.zeros(basis.shape[1])])
     return value - basis @ (basis.T @ value)
 
 
-def gauss_newton(shared, own, at, shares: Values, count: int) -> tuple[Values, list[FloatArray]]:
+def gauss_newton(shared, by_start, at, shares: Values, count: int) -> tuple[Values, list[FloatArray]]:
     """Step of the shared values and of each segment's start (in its own sizes)."""
     total = len(shared[0])
     rows, right = [], []
-    for columns, starts, error in zip(shared, own, at, strict=True):
+    for columns, starts, error in zip(shared, by_start, at, strict=True):
         Q = np.linalg.qr(np.stack(starts, axis=1))[0]
         J = np.stack(columns, axis=1) if total else np.zeros((len(error), 0))
         rows.append(J - Q @ (Q.T @ J))
@@ -356,7 +358,7 @@ def gauss_newton(shared, own, at, shares: Values, count: int) -> tuple[Values, l
     J, b = np.concatenate([*rows, prior]), np.concatenate([*right, -shares / TOLERANCE])
     step = np.linalg.lstsq(J, b, rcond=1e-9)[0] if total else np.zeros(0)
     moves = []
-    for columns, starts, error in zip(shared, own, at, strict=True):
+    for columns, starts, error in zip(shared, by_start, at, strict=True):
         reached = error + (np.stack(columns, axis=1) @ step if total else 0.0)
         moves.append(np.linalg.lstsq(np.stack(starts, axis=1), -reached, rcond=1e-9)[0])
     return step, moves

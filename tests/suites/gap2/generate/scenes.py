@@ -77,21 +77,21 @@ def draw_plant(scene: str, rng: np.random.Generator, *, rubs: bool = False, bare
         period = float(2.0 * np.pi * np.sqrt(A[0, 0] / W[0].sum()))
     else:
         period = float(np.exp(rng.uniform(np.log(0.6), np.log(3.0))))
-    own = np.diag(A).copy()
+    about_axis = np.diag(A).copy()
     pace = 2.0 * np.pi / period
     if drive == "servo":
         pace = float(pace * rng.uniform(2.0, 4.0)) if upright else float(2.0 * np.pi * rng.uniform(0.8, 3.0))
-        numbers[:, Number.KP] = own * pace**2
-        numbers[:, Number.KD] = 2.0 * rng.uniform(0.4, 1.0) * own * pace
+        numbers[:, Number.KP] = about_axis * pace**2
+        numbers[:, Number.KD] = 2.0 * rng.uniform(0.4, 1.0) * about_axis * pace
         period = 2.0 * np.pi / pace
     reach = length if slides else np.ones(n)
-    force = own * pace**2 * reach * (1.0 if not upright else 0.5)
+    force = about_axis * pace**2 * reach * (1.0 if not upright else 0.5)
     if rubs or rng.random() < 0.6:
         numbers[:, Number.COULOMB] = force * rng.uniform(0.01, 0.06)
     if not upright and drive == "":  # what only coasts must come to rest
-        numbers[:, Number.VISCOUS] = own * pace * rng.uniform(0.08, 0.3)
+        numbers[:, Number.VISCOUS] = about_axis * pace * rng.uniform(0.08, 0.3)
     elif rng.random() < 0.7:
-        numbers[:, Number.VISCOUS] = own * pace * rng.uniform(0.01, 0.1)
+        numbers[:, Number.VISCOUS] = about_axis * pace * rng.uniform(0.01, 0.1)
     if bare:
         numbers[:, [Number.COULOMB, Number.VISCOUS]] = 0.0
     return plant, period
@@ -140,7 +140,7 @@ def sizes_of(plant: Plant, recording: Recording, joint: int) -> Sizes:
     q = np.concatenate([q[:, joint] for q, _ in readings])
     v = np.concatenate([v[:, joint] for _, v in readings])
     rises = [np.gradient(v[:, joint], t.stamps_s) for (_, v), t in zip(readings, recording.trials, strict=True)]
-    own = float(plant.couplings()[0][joint, joint])
+    about_axis = float(plant.couplings()[0][joint, joint])
     low, high = np.quantile(q, [0.01, 0.99])
     effort = 0.0
     if plant.drive != "none":
@@ -149,13 +149,13 @@ def sizes_of(plant: Plant, recording: Recording, joint: int) -> Sizes:
         given = sent if plant.drive == "effort" else numbers[Number.KP] * (sent - q) - numbers[Number.KD] * v
         effort = float(np.quantile(np.abs(given), 0.98))
     return Sizes(
-        float(np.quantile(np.abs(np.concatenate(rises)), 0.9)) * own,
+        float(np.quantile(np.abs(np.concatenate(rises)), 0.9)) * about_axis,
         float(np.quantile(np.abs(v), 0.9)),
         0.5 * float(high - low),
         float(low),
         float(high),
         effort,
-        own,
+        about_axis,
         recording.period_s,
     )
 

@@ -309,12 +309,12 @@ def _left(make: Make, count: int, tracked: _Tracked, readings: FloatArray) -> fl
             step = 1e-4 * (np.arange(count) == k)
             for columns, a, b in zip(shared, errors(x + step, start), at, strict=True):
                 columns.append((a - b) / 1e-4)
-        own: list[list[FloatArray]] = [[] for _ in at]
+        by_start: list[list[FloatArray]] = [[] for _ in at]
         for k in free:
             moved = _shifted(start, 1e-5 * (np.arange(12) == k))
-            for columns, a, b in zip(own, errors(x, moved), at, strict=True):
+            for columns, a, b in zip(by_start, errors(x, moved), at, strict=True):
                 columns.append((a - b) / 1e-5)
-        step, moves = gauss_newton(shared, own, at, np.zeros(0), count)
+        step, moves = gauss_newton(shared, by_start, at, np.zeros(0), count)
         shift = np.zeros((len(start), 12))
         shift[:, free] = np.stack(moves)
         x_new, start_new = x + step, _shifted(start, shift)
