@@ -11,12 +11,14 @@ TORCH := .venv-torch
 TORCH_STAMP := $(TORCH)/.installed
 DEMO_OUT ?= demo_out
 GAP_OUT ?= gap_suite_out
+GAP2_OUT ?= gap_suite_2_out
+GAP2_START ?= 1000
 
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 # Top-level folders with Python files that differ from the last commit: what `make quick` checks the types of.
 CHANGED = $(shell git status --porcelain -- '*.py' | sed 's/.* //' | grep / | cut -d/ -f1 | sort -u)
 
-.PHONY: demo quick test test-long peers check lint types layers bench gap-suite docs clean system
+.PHONY: demo quick test test-long peers check lint types layers bench gap-suite gap-suite-2 docs clean system
 
 demo: $(STAMP)
 	$(BIN)/mana demo --out $(DEMO_OUT)
@@ -53,6 +55,10 @@ bench: $(STAMP)
 # About 500 cases; stops and goes on where it stopped. Records in GAP_OUT, one JSON per case.
 gap-suite: $(STAMP)
 	$(BIN)/python -m tests.suites.gap.run --resume $(GAP_OUT)
+
+# Cases of suite 2 from number GAP2_START; what ran is not run again.
+gap-suite-2: $(STAMP)
+	$(BIN)/python -m tests.suites.gap2.run --start $(GAP2_START) --n 300 --resume $(GAP2_OUT)
 
 # All generated pages: diagnostics, gate rules, effects; tests/cli/docs compares them with the tree.
 docs: $(STAMP)

@@ -1,0 +1,186 @@
+"""Thrown and sliding boxes by an integrator of their own: flight with drag and lift, sliding without turning; SI.
+
+States (r, 13) are what a tracker of the body's origin reads without noise: position, quaternion wxyz, velocity in the
+world, angular velocity in the body. All runs of a call advance together, from row to row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numba
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+FloatArray = np.ndarray
+GRAVITY = 9.81  # m/s2
+_LARGEST_STEP_S = 2e-3
+_GUST_HZ = 4.0
+
+
+@dataclass(frozen=True)
+class Box:
+    """A box as its owner believes it: edges (3,) m, mass kg, friction with the board; `slides` flat, or flies."""
+
+    size_m: FloatArray
+    mass_kg: float
+    mu: float
+    slides: bool
+
+    @property
+    def inertia_kgm2(self) -> FloatArray:
+        """(3,) of an evenly filled box."""
+        x, y, z = self.size_m**2
+        return self.mass_kg / 12.0 * np.array([y + z, x + z, x + y])
+
+
+@dataclass(frozen=True)
+class HiddenInBox:
+    """What differs from belief; vectors are (3,)."""
+
+    gravity: float = GRAVITY
+    tilt: tuple[float, float] = (0.0, 0.0)  # rotation vector of gravity about x and y
+    drag: float = 0.0  # N s/m
+    square_drag: float = 0.0  # N s2/m2
+    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    mu: float | None = None
+    com: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    scale: float = 1.0
+    clock: float = 1.0
+    lift: float = 0.0  # kg: force = lift * angular velocity x velocity
+    gust: float = 0.0  # N, of a side wind that comes and goes
+    rough: float = 0.0  # share by which friction varies over the board
+    rough_count: float = 20.0  # 1/m
+    fading: float = 0.0  # share of friction that speed takes away
+
+
+def move(box: Box, hidden: HiddenInBox, t_s: FloatArray, start: FloatArray) -> FloatArray:
+    """Readings (r, rows, 13) at stamps (r, rows), from the readings (r, 13) at the first rows."""
+    t = t_s / hidden.clock
+    x = start.copy()
+    x[:, :3] /= hidden.scale
+    x[:, 7:10] *= hidden.clock / hidden.scale
+    x[:, 10:] *= hidden.clock
+    com = np.array(hidden.com)
+    turn = _rotation(x[:, 3:7])
+    x[:, :3] += turn.apply(np.tile(com, (len(x), 1)))
+    x[:, 7:10] += turn.apply(np.cross(x[:, 10:], com))
+    out = np.empty((*t.shape, 13))
+    gravity, force = gravity_vector(hidden), np.array(hidden.force)
+    if box.slides:
+        mu = box.mu if hidden.mu is None else hidden.mu
+        pull = gravity + force / box.mass_kg
+        drags = np.array([hidden.drag, hidden.square_drag]) / box.mass_kg
+        board = np.array([hidden.rough, hidden.rough_count, hidden.fading])
+        _slide_runs(t, x, mu * max(-pull[2], 0.0), pull, drags, board, out)
+    else:
+        forces = np.array([hidden.drag, hidden.square_drag, hidden.lift, hidden.gust])
+        _fly_runs(t, x, gravity + force / box.mass_kg, forces / box.mass_kg, box.inertia_kgm2, out)
+    turn = _rotation(out[..., 3:7].reshape(-1, 4))
+    many = out.reshape(-1, 13)
+    many[:, :3] -= turn.apply(np.tile(com, (len(many), 1)))
+    many[:, 7:10] -= turn.apply(np.cross(many[:, 10:], com))
+    out[..., :3] *= hidden.scale
+    out[..., 7:10] *= hidden.scale / hidden.clock
+    out[..., 10:] /= hidden.clock
+    return out
+
+
+def _rotation(quat_wxyz: FloatArray) -> Rotation:
+    return Rotation.from_quat(np.roll(quat_wxyz, -1, axis=-1))
+
+
+def gravity_vector(hidden: HiddenInBox) -> FloatArray:
+    """(3,) m/s2 in the world."""
+    return Rotation.from_rotvec([*hidden.tilt, 0.0]).apply([0.0, 0.0, -hidden.gravity])
+
+
+njit: Any = numba.njit(cache=True)
+
+
+@njit
+def _flight_rates(x, t, pull, forces, inertia, dx):
+    """Time derivative of one flying body; forces (drag, square drag, lift, gust) are per mass."""
+    qw, qx, qy, qz = x[3], x[4], x[5], x[6]
+    vx, vy, vz = x[7], x[8], x[9]
+    wx, wy, wz = x[10], x[11], x[12]
+    dx[0], dx[1], dx[2] = vx, vy, vz
+    dx[3] = -0.5 * (qx * wx + qy * wy + qz * wz)
+    dx[4] = 0.5 * (qw * wx + qy * wz - qz * wy)
+    dx[5] = 0.5 * (qw * wy - qx * wz + qz * wx)
+    dx[6] = 0.5 * (qw * wz + qx * wy - qy * wx)
+    drag = forces[0] + forces[1] * np.sqrt(vx * vx + vy * vy + vz * vz)
+    dx[7], dx[8], dx[9] = pull[0] - drag * vx, pull[1] - drag * vy, pull[2] - drag * vz
+    if forces[2] != 0.0:  # angular velocity in the world: w + 2 qw (u x w) + 2 u x (u x w)
+        ax, ay, az = qy * wz - qz * wy, qz * wx - qx * wz, qx * wy - qy * wx
+        sx = wx + 2.0 * (qw * ax + qy * az - qz * ay)
+        sy = wy + 2.0 * (qw * ay + qz * ax - qx * az)
+        sz = wz + 2.0 * (qw * az + qx * ay - qy * ax)
+        dx[7] += forces[2] * (sy * vz - sz * vy)
+        dx[8] += forces[2] * (sz * vx - sx * vz)
+        dx[9] += forces[2] * (sx * vy - sy * vx)
+    if forces[3] != 0.0:
+        push = forces[3] * np.sin(2.0 * np.pi * _GUST_HZ * t)
+        dx[7] += push
+        dx[8] += 0.5 * push
+    dx[10] = (inertia[1] - inertia[2]) * wy * wz / inertia[0]
+    dx[11] = (inertia[2] - inertia[0]) * wz * wx / inertia[1]
+    dx[12] = (inertia[0] - inertia[1]) * wx * wy / inertia[2]
+
+
+@njit
+def _fly_runs(t, start, pull, forces, inertia, out):
+    """Fourth-order Runge-Kutta steps of every run, into out (r, rows, 13)."""
+    k = np.empty((4, 13))
+    for r in range(len(t)):
+        x = start[r].copy()
+        out[r, 0] = x
+        for row in range(t.shape[1] - 1):
+            span = t[r, row + 1] - t[r, row]
+            steps = max(1, int(np.ceil(span / _LARGEST_STEP_S)))
+            h = span / steps
+            for s in range(steps):
+                now = t[r, row] + s * h
+                _flight_rates(x, now, pull, forces, inertia, k[0])
+                _flight_rates(x + 0.5 * h * k[0], now + 0.5 * h, pull, forces, inertia, k[1])
+                _flight_rates(x + 0.5 * h * k[1], now + 0.5 * h, pull, forces, inertia, k[2])
+                _flight_rates(x + h * k[2], now + h, pull, forces, inertia, k[3])
+                x = x + h / 6.0 * (k[0] + 2.0 * k[1] + 2.0 * k[2] + k[3])
+                x[3:7] /= np.sqrt((x[3:7] ** 2).sum())
+            out[r, row + 1] = x
+
+
+@njit
+def _slide_runs(t, start, grip, pull, drags, board, out):
+    """Midpoint steps along a level board; what friction would turn back within a step stops, and stays where it can.
+
+    grip is the friction of a uniform board per mass; board (roughness, its repeats per m, share that speed takes).
+    """
+    for r in range(len(t)):
+        x = start[r].copy()
+        out[r, 0] = x
+        for row in range(t.shape[1] - 1):
+            span = t[r, row + 1] - t[r, row]
+            steps = max(1, int(np.ceil(span / _LARGEST_STEP_S)))
+            h = span / steps
+            for _ in range(steps):
+                px, vx, vy = x[0], x[7], x[8]
+                ax, ay = 0.0, 0.0
+                for half in range(2):
+                    speed = np.sqrt(vx * vx + vy * vy)
+                    rubs = grip * (1.0 + board[0] * np.sin(board[1] * px)) * (1.0 - board[2] * speed / (speed + 0.3))
+                    slows = rubs / max(speed, 1e-12) + drags[0] + drags[1] * speed
+                    ax, ay = pull[0] - slows * vx, pull[1] - slows * vy
+                    if half == 0:
+                        if speed == 0.0 and np.hypot(pull[0], pull[1]) <= rubs:
+                            ax, ay = 0.0, 0.0
+                            break
+                        px, vx, vy = x[0] + 0.5 * h * vx, vx + 0.5 * h * ax, vy + 0.5 * h * ay
+                nx, ny = x[7] + h * ax, x[8] + h * ay
+                if nx * x[7] + ny * x[8] <= 0.0 and np.hypot(pull[0], pull[1]) <= grip * (1.0 - board[0]):
+                    nx, ny = 0.0, 0.0
+                x[0] += 0.5 * h * (x[7] + nx)
+                x[1] += 0.5 * h * (x[8] + ny)
+                x[7], x[8] = nx, ny
+            out[r, row + 1] = x

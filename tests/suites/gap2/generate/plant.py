@@ -1,0 +1,201 @@
+"""A mechanism as its owner believes it, what is hidden in it, and its noise-free readings; SI."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from tests.suites.gap2.generate import kernel
+from tests.suites.gap2.generate.parameters import NEUTRAL, Number
+
+FloatArray = np.ndarray
+GRAVITY = 9.81  # m/s2
+DRIVES = {"none": kernel.FREE, "effort": kernel.EFFORT, "position_pd": kernel.POSITION}
+_NANOSECONDS = 9  # decimals to which instants are merged
+_INSTANT_S = 5e-5  # time constants below are none
+
+
+@dataclass(frozen=True)
+class Plant:
+    """The believed mechanism.
+
+    inertia, mass, lever   (n,) of each link about its own axis (kg m2; kg for a slide), kg, m to its mass centre.
+    offset_m               (n,) from the parent's axis to each joint's; 0 for the first.
+    numbers                (n, Number) of the equations as believed.
+    """
+
+    scene: str
+    drive: str
+    slides: bool
+    upright: bool  # feels gravity
+    inertia: FloatArray
+    mass: FloatArray
+    lever: FloatArray
+    offset_m: FloatArray
+    numbers: FloatArray
+
+    @property
+    def joints(self) -> int:
+        """Number of joints."""
+        return len(self.inertia)
+
+    def number(self, joint: int, which: Number) -> float:
+        """A believed number of a joint."""
+        return float(self.numbers[joint, which])
+
+    def couplings(self) -> tuple[FloatArray, FloatArray]:
+        """A (n, n) kg m2 of absolute angles, and W (n, n) N m: the weight of link k on joint i, link hanging level."""
+        n = self.joints
+        A, W = np.zeros((n, n)), np.zeros((n, n))
+        for i in range(n):
+            A[i, i] = self.inertia[i] + sum(self.mass[k] * self.offset_m[i + 1] ** 2 for k in range(i + 1, n))
+            W[i, i] = self.mass[i] * self.lever[i]
+            for k in range(i + 1, n):
+                W[i, k] = self.mass[k] * self.offset_m[i + 1]
+                beyond = sum(self.mass[m] * self.offset_m[i + 1] * self.offset_m[k + 1] for m in range(k + 1, n))
+                A[i, k] = A[k, i] = self.mass[k] * self.offset_m[i + 1] * self.lever[k] + beyond
+        return A, W * (GRAVITY if self.upright else 0.0)
+
+
+def _settle(numbers: FloatArray) -> float:
+    """The step (s) that the fastest part of a joint allows; what is faster than any step of ours is made instant."""
+    for which in (Number.LAG, Number.SENSOR_LAG):
+        if numbers[which] < _INSTANT_S:
+            numbers[which] = 0.0
+    for which in (Number.FILTER_RATE, Number.SENSOR_RATE):
+        if numbers[which] * _INSTANT_S > 1.0:
+            numbers[which] = 0.0
+    motor, stiffest = numbers[Number.MOTOR_INERTIA], numbers[Number.MOTOR_INERTIA] / (2.0 * _INSTANT_S) ** 2
+    if numbers[Number.GEAR_STIFFNESS] > stiffest:
+        numbers[Number.GEAR_STIFFNESS] = stiffest
+        numbers[Number.GEAR_LOSS] = min(numbers[Number.GEAR_LOSS], np.sqrt(stiffest * motor))
+    times = [numbers[Number.LAG], numbers[Number.SENSOR_LAG]]
+    times += [1.0 / numbers[n] if numbers[n] else 0.0 for n in (Number.FILTER_RATE, Number.SENSOR_RATE)]
+    times.append(0.5 * np.sqrt(motor / numbers[Number.GEAR_STIFFNESS]) if motor else 0.0)
+    return min((float(t) for t in times if t > 0.0), default=np.inf)
+
+
+def believed_numbers(joints: int) -> FloatArray:
+    """(n, Number): nothing but inertia and gravity."""
+    numbers = np.zeros((joints, len(Number)))
+    for which, value in NEUTRAL.items():
+        numbers[:, which] = value
+    return numbers
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """What differs from belief: numbers of one joint, and errors of clock and sensor.
+
+    payload   share of the mass by which a trial's load may differ; each trial has its own draw.
+    step_s    with a positive one, a semi-implicit Euler integrator of that step makes the motion.
+    """
+
+    joint: int = 0
+    numbers: Mapping[Number, float] = field(default_factory=dict)
+    delay_s: float = 0.0
+    latency_s: float = 0.0
+    clock: float = 1.0
+    scale: float = 1.0
+    offset: float = 0.0
+    eccentricity: float = 0.0
+    eccentric_phase: float = 0.0
+    eccentric_count: float = 1.0
+    payload: float = 0.0
+    step_s: float = 0.0
+
+    def beside(self, other: Hidden) -> Hidden:
+        """Both at once; they must act on the same joint."""
+        plain = Hidden()
+        changes = {
+            name: getattr(other, name)
+            for name in self.__dataclass_fields__
+            if name not in ("joint", "numbers") and getattr(other, name) != getattr(plain, name)
+        }
+        return replace(self, numbers={**self.numbers, **other.numbers}, **changes)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What a trial was set up to do: stamps (rows,), inputs (rows, n) held from stamp to stamp, start (2 n,) at time 0.
+
+    supply (rows,) is relative to its nominal value; phase and load are the trial's own draws for shaking and payload.
+    """
+
+    stamps_s: FloatArray
+    inputs: FloatArray
+    supply: FloatArray
+    start: FloatArray
+    phase: float
+    load: float
+
+
+@dataclass(frozen=True)
+class Segment:
+    """Rows `first` to `last` (exclusive) of a trial, started at `start` (2 n,) at time `from_s` of the mechanism."""
+
+    trial: int
+    first: int
+    last: int
+    start: FloatArray
+    from_s: float
+
+
+def observe(
+    plant: Plant, hidden: Hidden, trials: Sequence[Trial], step_s: float
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Noise-free readings of positions and rates (rows, n) of whole trials."""
+    whole = [Segment(i, 0, len(t.stamps_s), t.start, 0.0) for i, t in enumerate(trials)]
+    return read_segments(plant, hidden, trials, whole, step_s)
+
+
+def read_segments(
+    plant: Plant, hidden: Hidden, trials: Sequence[Trial], segments: Sequence[Segment], step_s: float
+) -> list[tuple[FloatArray, FloatArray]]:
+    """Readings (rows, n) and their rates by segment."""
+    n, joint = plant.joints, hidden.joint
+    numbers = plant.numbers.copy()
+    for which, value in hidden.numbers.items():
+        numbers[joint if which != Number.TILT else 0, which] = value
+    step_s = min(step_s, _settle(numbers[joint]))
+    A, W = plant.couplings()
+    breaks, inputs, supply, reads, early = [], [], [], [], []
+    for s in segments:
+        trial = trials[s.trial]
+        stamps = trial.stamps_s / hidden.clock
+        when = stamps[s.first : s.last] - hidden.latency_s
+        switch = stamps + hidden.delay_s
+        inside = switch[(switch > s.from_s) & (switch <= when[-1] + 1e-9)]
+        t = np.unique(np.round(np.concatenate([[s.from_s], inside, when[when > s.from_s]]), _NANOSECONDS))
+        row = np.maximum(np.searchsorted(np.round(switch, _NANOSECONDS), t, side="right") - 1, 0)
+        breaks.append(t)
+        inputs.append(trial.inputs[row])
+        supply.append(trial.supply[row])
+        reads.append(np.searchsorted(t, np.round(np.maximum(when, s.from_s), _NANOSECONDS)))
+        early.append(np.minimum(when - s.from_s, 0.0))
+    offsets = np.concatenate([[0], np.cumsum([len(t) for t in breaks])])
+    states = kernel.integrate_runs(
+        n, A, W, numbers, DRIVES[plant.drive], joint, offsets, np.concatenate(breaks), np.concatenate(inputs),
+        np.concatenate(supply), np.array([s.start for s in segments], dtype=float),
+        np.array([trials[s.trial].phase for s in segments]),
+        np.array([hidden.payload * trials[s.trial].load for s in segments]),
+        kernel.EULER if hidden.step_s else kernel.RUNGE_KUTTA, hidden.step_s or step_s,
+    )  # fmt: skip
+    filtered = bool({Number.SENSOR_LAG, Number.SENSOR_RATE} & {w for w, v in hidden.numbers.items() if v > 0.0})
+    out = []
+    for first, rows, before in zip(offsets[:-1], reads, early, strict=True):
+        state = states[first + rows]
+        q, v = state[:, :n].copy(), state[:, n : 2 * n].copy()
+        if filtered:
+            q[:, joint], v[:, joint] = state[:, 2 * n], state[:, 2 * n + 1]
+        q += before[:, None] * v
+        if hidden.eccentricity:
+            turn = hidden.eccentric_count * q[:, joint] + hidden.eccentric_phase
+            q[:, joint] += hidden.eccentricity * np.sin(turn)
+            v[:, joint] *= 1.0 + hidden.eccentricity * hidden.eccentric_count * np.cos(turn)
+        q[:, joint] = hidden.scale * q[:, joint] + hidden.offset
+        v[:, joint] *= hidden.scale
+        out.append((q, v / hidden.clock))
+    return out
