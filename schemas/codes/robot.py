@@ -97,6 +97,24 @@ ROBOT_CODES: dict[str, CodeInfo] = {
         "The file describes several unconnected bodies; engines keep one of them, or crash.",
         "connect the links named by joints, or write one file for each body",
     ),
+    "robot/empty-link": CodeInfo(
+        "error",
+        "A link that moves has no shape",
+        "It can be neither drawn nor weighed; engines refuse a massless body between two joints.",
+        "give the link a shape, or join its neighbours by one joint",
+    ),
+    "robot/base-joint": CodeInfo(
+        "info",
+        "A joint moves nothing within the object",
+        "It holds the whole object in the world, or follows a joint that does not move.",
+        "nothing; the joint can be added where the object is placed",
+    ),
+    "robot/too-many-links": CodeInfo(
+        "error",
+        "More links move than engines take in one articulation",
+        "The file is a scene or a chain of particles, not one object.",
+        "give a file for each object",
+    ),
     # The description as numbers.
     "robot/invalid-number": CodeInfo(
         "error",
