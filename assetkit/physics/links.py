@@ -75,7 +75,7 @@ def link_physics(
         tuple(surface_list),
         tuple(shape_surfaces),
         tuple(bodies),
-        _filtered_pairs(mechanism, parts),
+        _filtered_pairs(parts),
     )
     notes: dict[str, Diagnostic] = {d.model_dump_json(): d for p in parts for d in p.made.diagnostics}
     review = any(p.made.section.collider_misses_bounds for p in parts)
@@ -189,14 +189,13 @@ def _joint_evidence(joint: MechanismJoint) -> Evidence[dict[str, Any]]:
     return declared(value, "joint of the source", inputs=where)
 
 
-def _filtered_pairs(mechanism: Mechanism, parts: Sequence[_LinkPhysics]) -> tuple[tuple[str, str], ...]:
-    """Links that no joint joins directly and whose colliders overlap at rest; they do not collide with each other."""
-    joined = {frozenset((joint.parent, joint.child)) for joint in mechanism.joints}
+def _filtered_pairs(parts: Sequence[_LinkPhysics]) -> tuple[tuple[str, str], ...]:
+    """Links whose colliders overlap at rest; they do not collide with each other."""
     clouds = {p.link.name: [surface(shape)[0] for shape in p.made.shapes] for p in parts}
     pairs: list[tuple[str, str]] = []
     for first, second in combinations(clouds, 2):
         bound = OVERLAP_SHARE * min(_diagonal(clouds[first]), _diagonal(clouds[second]))
-        if frozenset((first, second)) not in joined and _overlap(clouds[first], clouds[second], bound):
+        if _overlap(clouds[first], clouds[second], bound):
             pairs.append((first, second))
     return tuple(pairs)
 
