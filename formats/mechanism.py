@@ -46,14 +46,18 @@ class MechanismReading:
     repairs: tuple[Repair, ...] = ()
 
 
-def read_mechanism(description: RobotDescription, shaped: Iterable[str]) -> MechanismReading:
+def read_mechanism(
+    description: RobotDescription, shaped: Iterable[str], loops: Sequence[DescribedJoint] = ()
+) -> MechanismReading:
     """The mechanism of a description; `shaped` are the links that have a usable shape.
+
+    `loops` are joints beside the tree, which close loops (USD); the rest state is then the one that the file has.
 
     Raises InvalidInput: `robot/empty-link` for a link without a shape in the middle of a chain, `robot/several-roots`
     for bodies that move freely in one file, `robot/not-expressible` for planar joints and joints that share a child,
     `robot/too-many-links`.
     """
-    return _Reduction(description, frozenset(shaped)).reading()
+    return _Reduction(description, frozenset(shaped), tuple(loops)).reading()
 
 
 @dataclass
@@ -76,6 +80,7 @@ class _Reduction:
 
     description: RobotDescription
     shaped: frozenset[str]
+    loops: tuple[DescribedJoint, ...] = ()
     notes: list[Diagnostic] = field(default_factory=list[Diagnostic])
     repairs: list[Repair] = field(default_factory=list[Repair])
 
@@ -92,7 +97,7 @@ class _Reduction:
         if len(kept) > MAX_LINKS:
             self._refuse("robot/too-many-links", f"{len(kept)} links move", None, len(kept), MAX_LINKS)
         names = self._names(order, group, kept)
-        mechanism = self._mechanism(order, joints, carriers, group, root, names, rest, X_MJ)
+        mechanism = self._mechanism(order, joints, carriers, group, root, names, rest, X_MJ, X_ML)
         link_of = {link: names[group[link]] if group[link] in kept else names[root] for link in order}
         return MechanismReading(mechanism, link_of, X_ML, tuple(self.notes), tuple(self.repairs))
 
@@ -100,7 +105,9 @@ class _Reduction:
         """The joint with limits in order; equal ones lock it, a hinge without limits turns without end."""
         limits, kind = joint.limits, joint.kind
         if kind == "revolute" and limits is None:
-            self.repairs.append(_repair("free_hinge", "robot/missing-limit", joint, limits="none", now="continuous"))
+            if self.description.format == "urdf":  # Elsewhere a hinge without limits is endless by the format.
+                repair = _repair("free_hinge", "robot/missing-limit", joint, limits="none", now="continuous")
+                self.repairs.append(repair)
             kind = "continuous"
         if kind not in ("revolute", "prismatic") or limits is None:
             return _Joint(joint, None if kind == "continuous" else limits, kind)
@@ -141,6 +148,8 @@ class _Reduction:
                 if max(least, low) <= min(most, high):
                     narrowed[leader] = max(least, low), min(most, high)
         rest: dict[str, float] = {}
+        if self.loops:
+            return {name: j.described.reference for name, j in joints.items()}
         for name, j in joints.items():
             leader, gain, offset = leaders[name]
             at = float(np.clip(joints[leader].described.reference, *narrowed[leader]))
@@ -251,6 +260,7 @@ class _Reduction:
         names: Mapping[str, str],
         rest: Mapping[str, float],
         X_MJ: Mapping[str, FloatArray],
+        X_ML: Mapping[str, FloatArray],
     ) -> Mechanism:
         groups = [root, *(g for g in order if g in names and g != root)]
         moving = [joints[j.name] for g in groups[1:] for j in carriers[g] if joints[j.name].moves]
@@ -283,6 +293,7 @@ class _Reduction:
                 )
             )
         origins = {joint.child: joint.anchor for joint in made}
+        made += self._closing(names, group, X_ML)
         links = tuple(
             MechanismLink(
                 names[g], origins.get(names[g], np.zeros(3)), tuple(link for link in order if group[link] == g)
@@ -291,6 +302,37 @@ class _Reduction:
         )
         fixed = self.description.root == WORLD_LINK and group[self.description.root] == root
         return Mechanism(links, tuple(made), fixed)
+
+    def _closing(
+        self, names: Mapping[str, str], group: Mapping[str, str], X_ML: Mapping[str, FloatArray]
+    ) -> list[MechanismJoint]:
+        """The joints that close loops, between links that stay and are not one."""
+        made: list[MechanismJoint] = []
+        for loop in self.loops:
+            ends = [group[loop.parent], group[loop.child]]
+            if ends[0] == ends[1] or not names.keys() >= set(ends):
+                continue
+            usable, X = self._usable(loop), X_ML[loop.child]
+            headline = f"joint '{loop.name}' closes a loop; a URDF, which is a tree, leaves it out"
+            self._note("robot/closing-joint", headline, loop)
+            made.append(
+                MechanismJoint(
+                    name=loop.name,
+                    kind=_KINDS[usable.kind],
+                    parent=names[ends[0]],
+                    child=names[ends[1]],
+                    anchor=X[:3, :3] @ loop.anchor_C + X[:3, 3],
+                    axis=X[:3, :3] @ loop.axis_C,
+                    rest=loop.reference,
+                    limits=None if usable.limits is None else (usable.limits.lower, usable.limits.upper),
+                    damping=max(loop.damping, 0.0),
+                    friction=max(loop.friction, 0.0),
+                    closes_loop=True,
+                    source_name=loop.name,
+                    where=loop.source.location,
+                )
+            )
+        return made
 
     def _coupling(self, joint: DescribedJoint, identifiers: Mapping[str, str]) -> JointCoupling | None:
         """What the joint follows; None, with a note, where that joint does not move here."""

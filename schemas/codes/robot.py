@@ -109,6 +109,12 @@ ROBOT_CODES: dict[str, CodeInfo] = {
         "It holds the whole object in the world, or follows a joint that does not move.",
         "nothing; the joint can be added where the object is placed",
     ),
+    "robot/closing-joint": CodeInfo(
+        "warning",
+        "A joint closes a loop",
+        "Articulations are trees: engines take the joint as a constraint, and a URDF cannot hold it.",
+        "use the USD where the loop matters",
+    ),
     "robot/too-many-links": CodeInfo(
         "error",
         "More links move than engines take in one articulation",
