@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from pxr import Pcp, Tf, Usd, UsdGeom
+from pxr import Pcp, Tf, Usd, UsdGeom, UsdPhysics
 
 from formats.mechanism import with_slide_limits
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
@@ -98,7 +98,8 @@ def _read(layers: PinnedLayers, load_texture: LoadTexture) -> Outcome[Model]:
     diagnostics = [d for part in parts for d in part.diagnostics] + table.diagnostics
     diagnostics += stage_metadata.layer_contradictions(layers, where)
     diagnostics += _unsupported_prims(gprims, where)
-    diagnostics += [*_animation(gprims, where), *_clips(layers), *(moving.reading.notes if moving else ())]
+    diagnostics += [*_animation(gprims, where), *_clips(layers)]
+    diagnostics += moving.reading.notes if moving is not None else _articulation(stage, where)
     repairs = [r for part in parts for r in part.repairs] + table.repairs
     repairs += [*(moving.reading.repairs if moving else ()), *slides]
     return Outcome(model, tuple(diagnostics), tuple(repairs))
@@ -248,3 +249,23 @@ def _clips(layers: PinnedLayers) -> tuple[Diagnostic, ...]:
         finding("asset/animation-dropped", "value clips were left out", where=location.where())
         for location in layers.clips
     )
+
+
+def _articulation(stage: Usd.Stage, where: Location) -> tuple[Diagnostic, ...]:
+    """A warning that names joints between prims which are no rigid bodies, or bodies that a root alone connects."""
+    prims = list(stage.Traverse(Usd.TraverseInstanceProxies()))
+    joints = [p for p in prims if p.IsA(UsdPhysics.Joint) and _bodies(p) == 2]
+    roots = [p for p in prims if p.HasAPI(UsdPhysics.ArticulationRootAPI)]
+    bodies = [p for p in prims if p.HasAPI(UsdPhysics.RigidBodyAPI)]
+    if not joints and not (roots and len(bodies) > 1):
+        return ()
+    names = [str(p.GetPath()) for p in joints or roots]
+    at = where.model_copy(update={"prim": names[0]})
+    connected = "joints" if joints else "bodies under one articulation"
+    headline = f"the source declares {len(joints) or len(bodies)} {connected}, which are not carried over"
+    return (finding("asset/articulated-source", headline, where=at, value=", ".join(names)),)
+
+
+def _bodies(prim: Usd.Prim) -> int:
+    joint = UsdPhysics.Joint(prim)
+    return sum(bool(rel.GetTargets()) for rel in (joint.GetBody0Rel(), joint.GetBody1Rel()))

@@ -27,9 +27,11 @@ from schemas.robot_description import (
     DescribedLink,
     JointKind,
     JointLimits,
+    Mimic,
     RobotDescription,
     SourceLine,
 )
+from usdio.joint_names import LEADER, MULTIPLIER, OFFSET
 from usdio.read.gprim_placement import column_matrix
 from usdio.read.meshes import EARLIEST
 
@@ -83,6 +85,8 @@ class _StageReader:
         self.name_of = {str(p.GetPath()): n for p, n in zip(bodies, list(names)[1:], strict=True)}
         self.prim_of = {n: p for p, n in zip(bodies, list(names)[1:], strict=True)}
         self.joints = [p for p in prims if p.IsA(UsdPhysics.Joint) and _flag(p, "physics:jointEnabled", True)]
+        unique = unique_identifiers([p.GetName() for p in self.joints], "joint")
+        self.joint_name = {str(p.GetPath()): n for p, n in zip(self.joints, unique, strict=True)}
         self.roots = [p for p in prims if p.HasAPI(UsdPhysics.ArticulationRootAPI)]
         self.cache = UsdGeom.XformCache(EARLIEST)
         self.notes: list[Diagnostic] = []
@@ -105,11 +109,11 @@ class _StageReader:
             links,
             joints,
             WORLD_LINK,
-            notes=tuple(self.notes),
             source=self._line(None),
         )
         reading = read_mechanism(description, shaped, loops)
-        placed = _with_prims(reading, self.joints)
+        reading = replace(reading, notes=(*self.notes, *reading.notes))
+        placed = self._with_prims(reading)
         return StageMechanism(placed.mechanism, {p: reading.link_of[n] for p, n in link_of.items()}, placed)
 
     def _without_surroundings(self, link_of: Mapping[str, str]) -> dict[str, str]:
@@ -185,7 +189,7 @@ class _StageReader:
                         order.append(other)
                         tree.append(self._described(edge, link, other))
         used = {joint.name for joint in tree}
-        closing += [e for e in open_edges if e.prim.GetName() not in used and {e.first, e.second} <= reached]
+        closing += [e for e in open_edges if self._name(e.prim) not in used and {e.first, e.second} <= reached]
         moving = [e for e in closing if e.prim.GetTypeName() != "PhysicsFixedJoint"]
         return tree, [self._described(edge, edge.first, edge.second) for edge in moving]
 
@@ -227,17 +231,18 @@ class _StageReader:
         axis = (
             _AXES[str(edge.prim.GetAttribute("physics:axis").Get(EARLIEST) or "X")] if kind != "fixed" else _AXES["X"]
         )
+        limits = self._limits(edge.prim, kind or "fixed")
         X_01 = inverse(edge.X_W0) @ edge.X_W1
         rest = 0.0
         if kind == "revolute":
-            rest = _twist(axis, X_01[:3, :3])
+            rest = _twist(axis, X_01[:3, :3], limits)
         elif kind == "prismatic":
             rest = float(axis @ X_01[:3, 3])
         X_WJ = edge.X_W1 if forward else edge.X_W0  # the frame that moves with the child
         X_CW = inverse(self._X_WL(child))
         axis_W = (1.0 if forward else -1.0) * (X_WJ[:3, :3] @ axis)
         made = DescribedJoint(
-            edge.prim.GetName(),
+            self._name(edge.prim),
             kind or "fixed",
             parent,
             child,
@@ -245,10 +250,10 @@ class _StageReader:
             X_CW[:3, :3] @ axis_W,
             X_CW[:3, :3] @ X_WJ[:3, 3] + X_CW[:3, 3],
             reference=rest,
-            limits=self._limits(edge.prim, kind or "fixed"),
+            limits=limits,
             source=self._line(edge.prim),
         )
-        return self._with_drive(made, edge.prim)
+        return replace(self._with_drive(made, edge.prim), mimic=self._mimic(edge.prim, kind or "fixed"))
 
     def _limits(self, prim: Usd.Prim, kind: JointKind) -> JointLimits | None:
         """Limits in radians and stage units; infinite ones are none."""
@@ -291,6 +296,31 @@ class _StageReader:
             self._refuse("robot/invalid-number", "a value of the drive is not finite", prim)
         return replace(joint, **values)
 
+    def _mimic(self, prim: Usd.Prim, kind: JointKind) -> Mimic | None:
+        """The joint that this one follows, as Newton's schema has it: coefficients per degree and metre."""
+        targets = prim.GetRelationship(LEADER).GetForwardedTargets() if prim.HasRelationship(LEADER) else []
+        leader = self.stage.GetPrimAtPath(targets[0]) if targets else None
+        if leader is None or str(leader.GetPath()) not in self.joint_name:
+            return None
+        per_unit = math.degrees(1.0) if kind == "revolute" else 1.0
+        leader_unit = math.degrees(1.0) if leader.IsA(UsdPhysics.RevoluteJoint) else 1.0
+        multiplier = _number(prim, MULTIPLIER, 1.0) * leader_unit / per_unit
+        return Mimic(self._name(leader), multiplier, _number(prim, OFFSET, 0.0) / per_unit)
+
+    def _name(self, joint: Usd.Prim) -> str:
+        return self.joint_name[str(joint.GetPath())]
+
+    def _with_prims(self, reading: MechanismReading) -> MechanismReading:
+        """The reading with the prim of each joint as its place."""
+        if reading.mechanism is None:
+            return reading
+        paths = {name: path for path, name in self.joint_name.items()}
+        placed = tuple(
+            replace(j, where=self.where.model_copy(update={"prim": paths[j.source_name]}))
+            for j in reading.mechanism.joints
+        )
+        return replace(reading, mechanism=replace(reading.mechanism, joints=placed))
+
     def _X_WL(self, link: str) -> FloatArray:
         if link == WORLD_LINK:
             return np.eye(4)
@@ -305,18 +335,6 @@ class _StageReader:
         raise InvalidInput(finding(code, headline, where=where, severity=Severity.ERROR))
 
 
-def _with_prims(reading: MechanismReading, joints: Sequence[Usd.Prim]) -> MechanismReading:
-    """The reading with the prim of each joint as its place."""
-    if reading.mechanism is None:
-        return reading
-    paths = {prim.GetName(): str(prim.GetPath()) for prim in joints}
-    placed = tuple(
-        replace(j, where=Location(file=j.where.file if j.where else None, prim=paths.get(j.source_name)))
-        for j in reading.mechanism.joints
-    )
-    return replace(reading, mechanism=replace(reading.mechanism, joints=placed))
-
-
 def _rotation(X: FloatArray) -> FloatArray:
     """The rotation (3, 3) of a pose with scale or shear, by polar decomposition; of a mirrored one the nearest."""
     u, _, v = np.linalg.svd(X[:3, :3])
@@ -324,10 +342,14 @@ def _rotation(X: FloatArray) -> FloatArray:
     return u @ v
 
 
-def _twist(axis: FloatArray, R: FloatArray) -> float:
-    """The angle (rad) of the turn about `axis` that is nearest to R."""
+def _twist(axis: FloatArray, R: FloatArray, limits: JointLimits | None) -> float:
+    """The angle (rad) of the turn about `axis` nearest to R; of those a whole turn apart the one nearest to `limits`."""
     quat = Rotation.from_matrix(R).as_quat()
-    return 2.0 * math.atan2(float(axis @ quat[:3]), float(quat[3]))
+    angle = math.remainder(2.0 * math.atan2(float(axis @ quat[:3]), float(quat[3])), math.tau)
+    if limits is None:
+        return angle
+    turns = [angle + k * math.tau for k in (0, -1, 1)]
+    return min(turns, key=lambda turn: max(limits.lower - turn, turn - limits.upper, 0.0))
 
 
 def _enabled(prim: Usd.Prim) -> bool:

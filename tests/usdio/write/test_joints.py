@@ -1,0 +1,129 @@
+"""Joints of a written package: read back they are the same, by our own reader and as a foreign source."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Usd, UsdPhysics
+
+from assetkit.readers.usd import read_usd
+from assetkit.sources.source_file import SourceFile
+from schemas.mechanism import JointCoupling, Mechanism, MechanismJoint, MechanismLink
+from schemas.package import LinkBody, PackageContent
+from schemas.physics import MassProperties
+from tests.support.package_samples import box_mesh, content, hull_shape, model
+from tests.support.present import present
+from usdio.reread.body import reread_package
+from usdio.write.package import write_package
+
+TILTED = np.array([0.6, 0.0, -0.8])
+LINKS = (
+    ("case", (0.0, 0.0, 0.0)),
+    ("door", (0.05, 0.04, 0.03)),
+    ("tray", (0.0, 0.0, 0.03)),
+    ("knob", (0.06, 0.0, 0.03)),
+)
+JOINTS = (
+    MechanismJoint(
+        "hinge",
+        "revolute",
+        "case",
+        "door",
+        np.array([0.05, 0.04, 0.03]),
+        np.array([0.0, 0.0, -1.0]),
+        rest=0.3,
+        limits=(-0.1, 2.0),
+        effort=5.0,
+        damping=0.2,
+        friction=0.01,
+        armature=0.002,
+        velocity=3.0,
+        stiffness=0.4,
+        spring_rest=0.1,
+    ),
+    MechanismJoint(
+        "slide",
+        "prismatic",
+        "case",
+        "tray",
+        np.array([0.0, 0.0, 0.03]),
+        TILTED,
+        rest=0.02,
+        limits=(0.0, 0.15),
+        coupling=JointCoupling("hinge", 0.05, 0.005),
+    ),
+    MechanismJoint("turn", "continuous", "door", "knob", np.array([0.06, 0.0, 0.03]), np.array([1.0, 0.0, 0.0])),
+)
+
+
+def articulated() -> PackageContent:
+    meshes = [box_mesh((0.04, 0.03, 0.02), name, np.array(origin), link=name) for name, origin in LINKS]
+    plain = content(model(meshes), tuple(hull_shape(mesh) for mesh in meshes))
+    mechanism = Mechanism(tuple(MechanismLink(name, np.array(origin)) for name, origin in LINKS), JOINTS)
+    bodies = tuple(
+        LinkBody(name, (i,), MassProperties(0.1 + i, np.array(origin) + 0.001, np.diag([2e-5, 3e-5, 4e-5])))
+        for i, (name, origin) in enumerate(LINKS)
+    )
+    return replace(plain, mechanism=mechanism, links=bodies, filtered_pairs=(("door", "tray"),))
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    made = articulated()
+    return write_package(made, tmp_path / made.asset_id)
+
+
+def assert_same(found: MechanismJoint, wanted: MechanismJoint) -> None:
+    for field in ("kind", "parent", "child", "closes_loop"):
+        assert getattr(found, field) == getattr(wanted, field)
+    for field in ("anchor", "axis", "rest", "damping", "friction", "armature", "stiffness", "effort", "velocity"):
+        expected = getattr(wanted, field)
+        assert getattr(found, field) == (
+            expected if expected is None else pytest.approx(expected, rel=1e-5, abs=1e-6)
+        ), field
+    assert (found.coupling is None) == (wanted.coupling is None)
+    if found.coupling is not None:
+        assert found.coupling.joint == present(wanted.coupling).joint
+        assert found.coupling.multiplier == pytest.approx(present(wanted.coupling).multiplier, rel=1e-5)
+        assert found.coupling.offset == pytest.approx(present(wanted.coupling).offset, rel=1e-5)
+    assert (found.limits is None) == (wanted.limits is None)
+    assert found.limits is None or found.limits == pytest.approx(wanted.limits, rel=1e-5)
+
+
+def test_a_package_read_back_has_the_joints_and_masses_that_were_written(package: Path) -> None:
+    read_back, made = reread_package(package), articulated()
+    mechanism = present(read_back.mechanism)
+    assert [link.name for link in mechanism.links] == [name for name, _ in LINKS]
+    for found, wanted in zip(mechanism.joints, JOINTS, strict=True):
+        assert_same(found, wanted)
+    for body, link, (_, origin) in zip(read_back.links, made.links, LINKS, strict=True):
+        assert body.mass.mass_kg == pytest.approx(link.mass.mass_kg)
+        assert body.mass.centre_of_mass_m + np.array(origin) == pytest.approx(link.mass.centre_of_mass_m, abs=1e-6)
+    assert read_back.body.mass.mass_kg == pytest.approx(sum(link.mass.mass_kg for link in made.links))
+    assert len(read_back.body.shapes) == len(LINKS)
+
+
+def test_a_package_as_a_source_has_the_same_mechanism(package: Path) -> None:
+    model_ = present(read_usd(SourceFile(package, package.parent)).value)
+    mechanism = present(model_.mechanism)
+    by_name = {joint.name: joint for joint in mechanism.joints}
+    for wanted in JOINTS:
+        assert_same(by_name[wanted.name], wanted)
+    assert {mesh.link for mesh in model_.meshes} == {name for name, _ in LINKS}
+
+
+def test_links_are_flat_siblings_below_one_articulation_root(package: Path) -> None:
+    stage = Usd.Stage.Open(str(package))
+    root = stage.GetDefaultPrim()
+    roots = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.ArticulationRootAPI)]
+    bodies = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    assert roots == [root]
+    assert {prim.GetParent() for prim in bodies} == {root}
+    assert {prim.GetParent().GetPath().name for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)} == {"Joints"}
+    drive = UsdPhysics.DriveAPI(root.GetPrimAtPath("Joints/hinge"), "angular")
+    assert drive.GetDampingAttr().Get() == pytest.approx(np.radians(0.2))  # N m s per degree
+    pairs = UsdPhysics.FilteredPairsAPI(root.GetChild("door")).GetFilteredPairsRel().GetTargets()
+    assert [path.name for path in pairs] == ["tray"]
