@@ -343,7 +343,7 @@ def _rotation(X: FloatArray) -> FloatArray:
 
 
 def _twist(axis: FloatArray, R: FloatArray, limits: JointLimits | None) -> float:
-    """The angle (rad) of the turn about `axis` nearest to R; of those a whole turn apart the one nearest to `limits`."""
+    """The angle (rad) of the turn about `axis` nearest to R; the one nearest to `limits`."""
     quat = Rotation.from_matrix(R).as_quat()
     angle = math.remainder(2.0 * math.atan2(float(axis @ quat[:3]), float(quat[3])), math.tau)
     if limits is None:

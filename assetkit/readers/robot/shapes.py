@@ -37,10 +37,15 @@ def visible_shapes(link: DescribedLink) -> list[DescribedShape]:
     """The shapes that show what the link looks like.
 
     Those that only draw, where there are some; else those that collide. Meshes that are absent count: they are missed.
+    Shapes without a size show nothing.
     """
-    drawn = [s for s in link.shapes if s.drawn and s.kind in (*_VOLUMES, "unknown", "fitted")]
+    drawn = [s for s in link.shapes if s.drawn and s.kind in (*_VOLUMES, "unknown", "fitted") and not _is_empty(s)]
     only_drawn = [s for s in drawn if not s.collides]
     return only_drawn or drawn or [s for s in link.shapes if usable(s)]
+
+
+def _is_empty(shape: DescribedShape) -> bool:
+    return shape.problem is not None and shape.problem.code == "robot/invalid-size"
 
 
 @dataclass
