@@ -91,14 +91,14 @@ class _Reduction:
         group = self._welded(order, joints, carriers)
         rest = self._rest(joints)
         X_ML, X_MJ = self._placed(order, carriers, rest)
-        kept, root = self._reduced(order, joints, carriers, group)
-        if len({group[link] for link in order if group[link] in kept}) <= 1:
+        staying, root = self._reduced(order, joints, carriers, group)
+        if len({group[link] for link in order if group[link] in staying}) <= 1:
             return MechanismReading(None, dict.fromkeys(order, ""), X_ML, tuple(self.notes), tuple(self.repairs))
-        if len(kept) > MAX_LINKS:
-            self._refuse("robot/too-many-links", f"{len(kept)} links move", None, len(kept), MAX_LINKS)
-        names = self._names(order, group, kept)
+        if len(staying) > MAX_LINKS:
+            self._refuse("robot/too-many-links", f"{len(staying)} links move", None, len(staying), MAX_LINKS)
+        names = self._names(order, group, staying)
         mechanism = self._mechanism(order, joints, carriers, group, root, names, rest, X_MJ, X_ML)
-        link_of = {link: names[group[link]] if group[link] in kept else names[root] for link in order}
+        link_of = {link: names[group[link]] if group[link] in staying else names[root] for link in order}
         return MechanismReading(mechanism, link_of, X_ML, tuple(self.notes), tuple(self.repairs))
 
     def _usable(self, joint: DescribedJoint) -> _Joint:
@@ -196,23 +196,23 @@ class _Reduction:
         below: dict[str, list[str]] = {}
         for g, p in parent.items():
             below.setdefault(p, []).append(g)
-        kept = set(members)
+        staying = set(members)
         for g in reversed(list(members)):  # Children come before their parents.
-            if g not in full and g != order[0] and not any(child in kept for child in below.get(g, ())):
-                kept.discard(g)
+            if g not in full and g != order[0] and not any(child in staying for child in below.get(g, ())):
+                staying.discard(g)
                 for joint in carriers[g]:
                     headline = f"joint '{joint.name}' moves link '{joint.child}', which has no shape; it was left out"
                     self._note("robot/empty-link", headline, joint, Severity.WARNING)
         root = order[0]
         while root not in full:
-            children = [g for g in below.get(root, ()) if g in kept]
+            children = [g for g in below.get(root, ()) if g in staying]
             if len(children) != 1:
                 break
             self._leave_base(carriers[children[0]])
-            kept.discard(root)
+            staying.discard(root)
             root = children[0]
-        self._require_links(kept, full, root, carriers)
-        return kept, root
+        self._require_links(staying, full, root, carriers)
+        return staying, root
 
     def _leave_base(self, joints: Sequence[DescribedJoint]) -> None:
         """A note on joints between the world and the object: a package holds the object, not its place."""
@@ -222,10 +222,10 @@ class _Reduction:
                 self._note("robot/base-joint", headline, joint)
 
     def _require_links(
-        self, kept: set[str], full: set[str], root: str, carriers: Mapping[str, list[DescribedJoint]]
+        self, staying: set[str], full: set[str], root: str, carriers: Mapping[str, list[DescribedJoint]]
     ) -> None:
         """Raises InvalidInput for links and joints that no package can hold."""
-        for g in sorted(kept - {root}):
+        for g in sorted(staying - {root}):
             first = carriers[g][0]
             if first.kind == "floating":
                 headline = f"joint '{first.name}' leaves link '{g}' free: the file holds several objects"
@@ -235,16 +235,16 @@ class _Reduction:
             if len([j for j in carriers[g] if j.moves]) > 1:
                 headline = f"link '{g}' is carried by {len(carriers[g])} joints; between them there is no body"
                 self._refuse("robot/empty-link", headline, carriers[g][1], g)
-        for g in sorted(kept - full):
+        for g in sorted(staying - full):
             joint = carriers[g][0] if g in carriers else None
             self._refuse("robot/empty-link", f"link '{g}' carries others and has no shape", joint, g)
 
-    def _names(self, order: Sequence[str], group: Mapping[str, str], kept: set[str]) -> dict[str, str]:
+    def _names(self, order: Sequence[str], group: Mapping[str, str], staying: set[str]) -> dict[str, str]:
         """An identifier for each group, from its first member with a shape."""
         first: dict[str, str] = {}
         for link in order:
             better = link in self.shaped or group[link] not in first
-            if group[link] in kept and better and first.get(group[link]) not in self.shaped:
+            if group[link] in staying and better and first.get(group[link]) not in self.shaped:
                 first[group[link]] = link
         groups = [g for g in order if g in first]
         chosen = unique_identifiers([*RESERVED_NAMES, *(first[g] for g in groups)], "link")
@@ -266,11 +266,11 @@ class _Reduction:
         moving = [joints[j.name] for g in groups[1:] for j in carriers[g] if joints[j.name].moves]
         chosen = unique_identifiers([j.described.name for j in moving], "joint")
         identifiers = dict(zip([j.described.name for j in moving], chosen, strict=True))
-        made: list[MechanismJoint] = []
+        joints_here: list[MechanismJoint] = []
         for joint in sorted(moving, key=lambda j: self.description.joints.index(j.described)):
             d, X = joint.described, X_MJ[joint.described.name]
             anchor = X[:3, :3] @ d.anchor_C + X[:3, 3]
-            made.append(
+            joints_here.append(
                 MechanismJoint(
                     name=identifiers[d.name],
                     kind=_KINDS[joint.kind],
@@ -292,8 +292,8 @@ class _Reduction:
                     where=d.source.location,
                 )
             )
-        origins = {joint.child: joint.anchor for joint in made}
-        made += self._closing(names, group, X_ML)
+        origins = {joint.child: joint.anchor for joint in joints_here}
+        joints_here += self._closing(names, group, X_ML)
         links = tuple(
             MechanismLink(
                 names[g], origins.get(names[g], np.zeros(3)), tuple(link for link in order if group[link] == g)
@@ -301,13 +301,13 @@ class _Reduction:
             for g in groups
         )
         fixed = self.description.root == WORLD_LINK and group[self.description.root] == root
-        return Mechanism(links, tuple(made), fixed)
+        return Mechanism(links, tuple(joints_here), fixed)
 
     def _closing(
         self, names: Mapping[str, str], group: Mapping[str, str], X_ML: Mapping[str, FloatArray]
     ) -> list[MechanismJoint]:
         """The joints that close loops, between links that stay and are not one."""
-        made: list[MechanismJoint] = []
+        joints_here: list[MechanismJoint] = []
         for loop in self.loops:
             ends = [group[loop.parent], group[loop.child]]
             if ends[0] == ends[1] or not names.keys() >= set(ends):
@@ -315,7 +315,7 @@ class _Reduction:
             usable, X = self._usable(loop), X_ML[loop.child]
             headline = f"joint '{loop.name}' closes a loop; a URDF, which is a tree, leaves it out"
             self._note("robot/closing-joint", headline, loop)
-            made.append(
+            joints_here.append(
                 MechanismJoint(
                     name=loop.name,
                     kind=_KINDS[usable.kind],
@@ -332,7 +332,7 @@ class _Reduction:
                     where=loop.source.location,
                 )
             )
-        return made
+        return joints_here
 
     def _coupling(self, joint: DescribedJoint, identifiers: Mapping[str, str]) -> JointCoupling | None:
         """What the joint follows; None, with a note, where that joint does not move here."""

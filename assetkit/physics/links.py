@@ -35,7 +35,7 @@ OVERLAP_SHARE = 0.002  # of the smaller link's diagonal: deeper overlaps at rest
 
 class _LinkPhysics(NamedTuple):
     link: MechanismLink
-    made: PhysicsResult
+    result: PhysicsResult
     volume_m3: float
 
 
@@ -55,37 +55,37 @@ def link_physics(
         inputs = _of_link(mass_inputs, link.name, by_name[link.name])
         folder = work_dir / link.name
         folder.mkdir(parents=True, exist_ok=True)
-        made = build_physics(by_name[link.name].solid, names, work_dir=folder, mass_inputs=inputs, contacts=contacts)
-        parts.append(_LinkPhysics(link, made, made.section.mass_kg.value / made.section.density_kgm3.value))
-    heaviest = max(parts, key=lambda p: p.made.mass.mass_kg)
-    surface_list = list(dict.fromkeys(s for p in (heaviest, *parts) for s in _surfaces(p.made)))
+        result = build_physics(by_name[link.name].solid, names, work_dir=folder, mass_inputs=inputs, contacts=contacts)
+        parts.append(_LinkPhysics(link, result, result.section.mass_kg.value / result.section.density_kgm3.value))
+    heaviest = max(parts, key=lambda p: p.result.mass.mass_kg)
+    surface_list = list(dict.fromkeys(s for p in (heaviest, *parts) for s in _surfaces(p.result)))
     shapes, shape_surfaces, bodies = list[CollisionShape](), list[int](), list[LinkBody]()
     for part in parts:
         first = len(shapes)
-        shapes += part.made.shapes
-        own = _surfaces(part.made)
-        of_shape = part.made.shape_surfaces or (0,) * len(part.made.shapes)
-        shape_surfaces += [surface_list.index(own[i]) for i in of_shape]
-        bodies.append(LinkBody(part.link.name, tuple(range(first, len(shapes))), part.made.mass))
+        shapes += part.result.shapes
+        of_link = _surfaces(part.result)
+        of_shape = part.result.shape_surfaces or (0,) * len(part.result.shapes)
+        shape_surfaces += [surface_list.index(of_link[i]) for i in of_shape]
+        bodies.append(LinkBody(part.link.name, tuple(range(first, len(shapes))), part.result.mass))
     physics = Physics(
         tuple(shapes),
-        combine([p.made.mass for p in parts]),
-        heaviest.made.contact,
+        combine([p.result.mass for p in parts]),
+        heaviest.result.contact,
         _section(mechanism, parts, heaviest),
         tuple(surface_list),
         tuple(shape_surfaces),
         tuple(bodies),
         _filtered_pairs(parts),
     )
-    notes: dict[str, Diagnostic] = {d.model_dump_json(): d for p in parts for d in p.made.diagnostics}
-    review = any(p.made.section.collider_misses_bounds for p in parts)
-    return Outcome(physics, tuple(notes.values()), tuple(r for p in parts for r in p.made.repairs), review=review)
+    notes: dict[str, Diagnostic] = {d.model_dump_json(): d for p in parts for d in p.result.diagnostics}
+    review = any(p.result.section.collider_misses_bounds for p in parts)
+    return Outcome(physics, tuple(notes.values()), tuple(r for p in parts for r in p.result.repairs), review=review)
 
 
-def _surfaces(made: PhysicsResult) -> tuple[SurfaceMaterial, ...]:
+def _surfaces(result: PhysicsResult) -> tuple[SurfaceMaterial, ...]:
     """The contact materials of a link, also where all its shapes share one."""
-    section = made.section
-    return made.surfaces or (SurfaceMaterial(section.material.value, section.density_kgm3.value, made.contact),)
+    section = result.section
+    return result.surfaces or (SurfaceMaterial(section.material.value, section.density_kgm3.value, result.contact),)
 
 
 def _of_link(inputs: MassEvidenceInputs, link: str, surface: LinkSurface) -> MassEvidenceInputs:
@@ -104,26 +104,26 @@ def _of_link(inputs: MassEvidenceInputs, link: str, surface: LinkSurface) -> Mas
 
 
 def _section(mechanism: Mechanism, parts: Sequence[_LinkPhysics], heaviest: _LinkPhysics) -> PhysicsSection:
-    total = combine([p.made.mass for p in parts])
-    masses = [p.made.section.mass_kg for p in parts]
+    total = combine([p.result.mass for p in parts])
+    masses = [p.result.section.mass_kg for p in parts]
     bounds = [m.bounds or (m.value, m.value) for m in masses]
     mass = _together(total.mass_kg, masses, (sum(b[0] for b in bounds), sum(b[1] for b in bounds)))
     volume = sum(p.volume_m3 for p in parts)
-    main = heaviest.made.section
+    main = heaviest.result.section
     return PhysicsSection(
         material=main.material,
-        density_kgm3=_together(total.mass_kg / volume, [p.made.section.density_kgm3 for p in parts]),
+        density_kgm3=_together(total.mass_kg / volume, [p.result.section.density_kgm3 for p in parts]),
         mass_kg=mass,
-        centre_of_mass_m=_together(vec3(total.centre_of_mass_m), [p.made.section.centre_of_mass_m for p in parts]),
-        inertia_kgm2=_together(matrix3(total.inertia_kgm2), [p.made.section.inertia_kgm2 for p in parts]),
-        mass_parts=tuple(part for p in parts for part in p.made.section.mass_parts),
+        centre_of_mass_m=_together(vec3(total.centre_of_mass_m), [p.result.section.centre_of_mass_m for p in parts]),
+        inertia_kgm2=_together(matrix3(total.inertia_kgm2), [p.result.section.inertia_kgm2 for p in parts]),
+        mass_parts=tuple(part for p in parts for part in p.result.section.mass_parts),
         contacts=main.contacts,
         collision_method=BY_LINK,
         candidates=(),
         collider_materials=tuple(
             c.model_copy(update={"collider": f"{p.link.name}/{c.collider}"})
             for p in parts
-            for c in p.made.section.collider_materials
+            for c in p.result.section.collider_materials
         ),
         joints=tuple(_joint_evidence(joint) for joint in mechanism.joints),
         links=tuple(_link_section(p) for p in parts),
@@ -138,7 +138,7 @@ def _together(value: Any, of_links: Sequence[Evidence[Any]], bounds: Any = None)
 
 
 def _link_section(part: _LinkPhysics) -> LinkSection:
-    section = part.made.section
+    section = part.result.section
     return LinkSection(
         name=part.link.name,
         members=part.link.members,
@@ -191,7 +191,7 @@ def _joint_evidence(joint: MechanismJoint) -> Evidence[dict[str, Any]]:
 
 def _filtered_pairs(parts: Sequence[_LinkPhysics]) -> tuple[tuple[str, str], ...]:
     """Links whose colliders overlap at rest; they do not collide with each other."""
-    clouds = {p.link.name: [surface(shape)[0] for shape in p.made.shapes] for p in parts}
+    clouds = {p.link.name: [surface(shape)[0] for shape in p.result.shapes] for p in parts}
     pairs: list[tuple[str, str]] = []
     for first, second in combinations(clouds, 2):
         bound = OVERLAP_SHARE * min(_diagonal(clouds[first]), _diagonal(clouds[second]))

@@ -108,12 +108,12 @@ def from_source(package: Released) -> Callable[[Positions], Poses]:
 
     def poses(state: Positions) -> Poses:
         now = link_poses(description, {sources[name]: position for name, position in state.items()})
-        found: Poses = {}
+        X_WL: Poses = {}
         for link in physics.links:
             member = link.members[0]
             moved_M = now[member] @ inverse(at_rest[member])
-            found[link.name] = X_AM @ moved_M @ inverse(X_AM) @ pose(None, link.origin_m)
-        return found
+            X_WL[link.name] = X_AM @ moved_M @ inverse(X_AM) @ pose(None, link.origin_m)
+        return X_WL
 
     return poses
 
@@ -144,16 +144,16 @@ def from_usd(package: Released) -> Callable[[Positions], Poses]:
     ]
 
     def poses(state: Positions) -> Poses:
-        found = {package.root: rest[package.root]}
+        X_WL = {package.root: rest[package.root]}
         waiting = list(joints)
         while waiting:
             name, parent, child, X_PJ, X_CJ, axis, slides = waiting.pop(0)
-            if parent not in found:
+            if parent not in X_WL:
                 waiting.append((name, parent, child, X_PJ, X_CJ, axis, slides))
                 continue
             moved = pose(None, state[name] * axis) if slides else pose(rotation_about(axis, state[name]))
-            found[child] = found[parent] @ X_PJ @ moved @ inverse(X_CJ)
-        return found
+            X_WL[child] = X_WL[parent] @ X_PJ @ moved @ inverse(X_CJ)
+        return X_WL
 
     return poses
 
@@ -175,11 +175,11 @@ def from_bullet(package: Released) -> Callable[[Positions], Poses]:
         at, quat = pybullet.getBasePositionAndOrientation(body, client)
         X_WI = pose(matrix_of(to_wxyz(np.array(quat))), np.array(at))
         X_LI = pose(matrix_of(to_wxyz(np.array(base[4]))), np.array(base[3]))
-        found = {package.root: X_WI @ inverse(X_LI)}
+        X_WL = {package.root: X_WI @ inverse(X_LI)}
         for name, number in children.items():
             link = pybullet.getLinkState(body, number, computeForwardKinematics=True, physicsClientId=client)
-            found[name] = pose(matrix_of(to_wxyz(np.array(link[5]))), np.array(link[4]))
-        return found
+            X_WL[name] = pose(matrix_of(to_wxyz(np.array(link[5]))), np.array(link[4]))
+        return X_WL
 
     return poses
 
@@ -199,12 +199,12 @@ def from_mujoco(package: Released) -> Callable[[Positions], Poses]:
 
 @pytest.mark.parametrize("judge", [from_usd, from_bullet, from_mujoco], ids=["usd", "pybullet", "mujoco"])
 def test_links_stand_where_the_source_has_them(package: Released, judge: Callable) -> None:
-    expected, found = from_source(package), judge(package)
+    expected, judged = from_source(package), judge(package)
     for state in package.states:
-        wanted, seen = relative(expected(state), package.root), relative(found(state), package.root)
-        assert set(seen) == set(package.links)
-        for name, X in wanted.items():
-            error = inverse(X) @ seen[name]
+        right, engine = relative(expected(state), package.root), relative(judged(state), package.root)
+        assert set(engine) == set(package.links)
+        for name, X in right.items():
+            error = inverse(X) @ engine[name]
             turn_deg = np.degrees(np.arccos(np.clip((np.trace(error[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)))
             assert np.linalg.norm(error[:3, 3]) < MOST_M, (name, state)
             assert turn_deg < MOST_DEG, (name, state)
@@ -222,8 +222,8 @@ def test_limits_are_those_of_the_record(package: Released) -> None:
     model = mujoco.MjModel.from_xml_path(str(next((package.folder / "export").glob("*.xml"))))
     for joint in (evidence.value for evidence in package.record.physics.joints):
         limits = joint.get("limits_rad") or joint.get("limits_m")
-        made = model.joint(joint["name"])
-        assert bool(model.jnt_limited[made.id]) == (limits is not None)
+        in_engine = model.joint(joint["name"])
+        assert bool(model.jnt_limited[in_engine.id]) == (limits is not None)
         if limits is not None:
-            assert made.range == pytest.approx(limits, abs=1e-6)
-        assert made.axis == pytest.approx(present(joint["axis"]), abs=1e-6)
+            assert in_engine.range == pytest.approx(limits, abs=1e-6)
+        assert in_engine.axis == pytest.approx(present(joint["axis"]), abs=1e-6)

@@ -118,12 +118,12 @@ class _StageReader:
 
     def _without_surroundings(self, link_of: Mapping[str, str]) -> dict[str, str]:
         """The meshes that bodies hold; others are ground and walls where no joint leads to them."""
-        kept = {path: link for path, link in link_of.items() if link != WORLD_LINK}
-        if left := sorted(link_of.keys() - kept.keys()):
+        held = {path: link for path, link in link_of.items() if link != WORLD_LINK}
+        if left := sorted(link_of.keys() - held.keys()):
             headline = f"{len(left)} surfaces that no body holds and no joint leads to were left out"
             where = self.where.model_copy(update={"prim": left[0]})
             self.notes.append(finding("asset/geometry-left-out", headline, where=where, value=len(left)))
-        return kept
+        return held
 
     def _statics_are_linked(self, edges: Sequence[_Edge]) -> bool:
         """Whether a joint moves a body against visible surface that no body holds, such as a static cabinet."""
@@ -241,7 +241,7 @@ class _StageReader:
         X_WJ = edge.X_W1 if forward else edge.X_W0  # the frame that moves with the child
         X_CW = inverse(self._X_WL(child))
         axis_W = (1.0 if forward else -1.0) * (X_WJ[:3, :3] @ axis)
-        made = DescribedJoint(
+        described = DescribedJoint(
             self._name(edge.prim),
             kind or "fixed",
             parent,
@@ -253,7 +253,7 @@ class _StageReader:
             limits=limits,
             source=self._line(edge.prim),
         )
-        return replace(self._with_drive(made, edge.prim), mimic=self._mimic(edge.prim, kind or "fixed"))
+        return replace(self._with_drive(described, edge.prim), mimic=self._mimic(edge.prim, kind or "fixed"))
 
     def _limits(self, prim: Usd.Prim, kind: JointKind) -> JointLimits | None:
         """Limits in radians and stage units; infinite ones are none."""

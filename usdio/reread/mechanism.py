@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdPhysics
+from pxr import Gf, Usd, UsdGeom, UsdPhysics
 from scipy.spatial.transform import Rotation
 
 from geom.convex.placement import moved_shape
@@ -75,7 +75,7 @@ def _joint(prim: Usd.Prim, frames: dict[str, FloatArray], main_file: Path) -> Me
         limits = (lower, upper) if kind == "prismatic" else (math.radians(lower), math.radians(upper))
         if not all(math.isfinite(v) for v in limits):
             kind, limits = "continuous", None
-    made = MechanismJoint(
+    bare = MechanismJoint(
         prim.GetName(),
         kind,
         parent,
@@ -87,7 +87,7 @@ def _joint(prim: Usd.Prim, frames: dict[str, FloatArray], main_file: Path) -> Me
         closes_loop=bool(joint.GetExcludeFromArticulationAttr().Get()),
         source_name=str(prim.GetCustomDataByKey("mana:sourceName") or prim.GetName()),
     )
-    return _with_dynamics(made, prim)
+    return _with_dynamics(bare, prim)
 
 
 def _with_dynamics(joint: MechanismJoint, prim: Usd.Prim) -> MechanismJoint:
@@ -120,7 +120,7 @@ def _with_dynamics(joint: MechanismJoint, prim: Usd.Prim) -> MechanismJoint:
     )
 
 
-def _local(position: object, rotation: object) -> FloatArray:
+def _local(position: Gf.Vec3f, rotation: Gf.Quatf) -> FloatArray:
     quat_wxyz = np.array([rotation.GetReal(), *rotation.GetImaginary()], dtype=np.float64)
     return pose(matrix_of(quat_wxyz), np.array(position, dtype=np.float64))
 

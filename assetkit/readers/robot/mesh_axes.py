@@ -14,7 +14,7 @@ from schemas.arrays import FloatArray
 from schemas.robot_description import DescribedLink, DescribedShape
 
 _Y_UP_FILES = (".glb", ".gltf")
-_CLEARLY = 0.5  # of the misfit of the file's own axes
+_BETTER_FIT = 0.5  # of the misfit of the file's own axes
 
 
 def mesh_turn(shape: DescribedShape, link: DescribedLink, surfaces: SurfaceReader) -> FloatArray:
@@ -28,7 +28,7 @@ def mesh_turn(shape: DescribedShape, link: DescribedLink, surfaces: SurfaceReade
     points = np.concatenate([mesh.points for mesh in surfaces.meshes_of(shape.mesh)]) * np.array(shape.mesh.scale)
     turns = (np.eye(3), TO_Z_UP["y"])
     misfit = [float(np.abs(_bounds(apply(shape.X_LS, points @ R.T)) - target).max()) for R in turns]
-    return turns[1] if misfit[1] < _CLEARLY * misfit[0] else turns[0]
+    return turns[1] if misfit[1] < _BETTER_FIT * misfit[0] else turns[0]
 
 
 def _corners(shape: DescribedShape) -> FloatArray:

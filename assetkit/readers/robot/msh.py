@@ -16,7 +16,7 @@ from schemas.evidence import declared, default
 from schemas.model import Mesh, Model, Node
 from schemas.outcome import Outcome
 
-_HEADER_BYTES = 16  # four counts, int32 little-endian
+_COUNTS_BYTES = 16  # four counts, int32 little-endian
 
 
 def read_msh(source: SourceFile) -> Outcome[Model]:
@@ -26,9 +26,9 @@ def read_msh(source: SourceFile) -> Outcome[Model]:
     `asset/nonfinite-vertices`, `asset/no-faces`.
     """
     data, where = source.path.read_bytes(), Location(file=source.relative)
-    counts = np.frombuffer(data[:_HEADER_BYTES], dtype="<i4") if len(data) >= _HEADER_BYTES else np.zeros(4, "<i4")
+    counts = np.frombuffer(data[:_COUNTS_BYTES], dtype="<i4") if len(data) >= _COUNTS_BYTES else np.zeros(4, "<i4")
     points, normals, coordinates, triangles = (int(n) for n in counts)
-    expected = _HEADER_BYTES + 12 * points + 12 * normals + 8 * coordinates + 12 * triangles
+    expected = _COUNTS_BYTES + 12 * points + 12 * normals + 8 * coordinates + 12 * triangles
     if min(points, normals, coordinates, triangles) < 0 or points == 0 or expected != len(data):
         headline = "the counts of the .msh file do not fit its size"
         raise InvalidInput(
@@ -36,7 +36,7 @@ def read_msh(source: SourceFile) -> Outcome[Model]:
         )
     if triangles == 0:
         raise InvalidInput(finding("asset/no-faces", "the .msh file has points and no triangles", where=where))
-    floats = np.frombuffer(data, dtype="<f4", count=3 * points + 3 * normals + 2 * coordinates, offset=_HEADER_BYTES)
+    floats = np.frombuffer(data, dtype="<f4", count=3 * points + 3 * normals + 2 * coordinates, offset=_COUNTS_BYTES)
     vertices = floats[: 3 * points].reshape(-1, 3).astype(np.float64)
     require_finite(vertices, where)
     faces = np.frombuffer(data, dtype="<i4", count=3 * triangles, offset=expected - 12 * triangles).reshape(-1, 3)

@@ -21,7 +21,7 @@ from schemas.model import Mesh, Model, Node
 from schemas.outcome import INTAKE, Outcome, Repair
 from schemas.robot_description import RobotDescription
 
-MAX_SHAPES = 20_000  # a house of furniture has a few thousand
+MOST_SHAPES_READ = 20_000  # a house of furniture has a few thousand
 UP_CONFIDENCE = 0.9  # z is up by convention of the formats; some exporters write y-up models all the same
 # Notes of the description that the reader answers with a repair, or that concern shapes which it does not use.
 _OF_SHAPES = ("robot/unsupported-shape", "robot/invalid-size", "robot/missing-mesh")
@@ -38,10 +38,10 @@ def read_robot(source: SourceFile, mesh_readers: Mapping[str, Reader]) -> Outcom
     _log_files(source, description)
     _require_whole(description)
     shapes = {link.name: visible_shapes(link) for link in description.links}
-    if sum(map(len, shapes.values())) > MAX_SHAPES:
+    if sum(map(len, shapes.values())) > MOST_SHAPES_READ:
         count = sum(map(len, shapes.values()))
         headline = f"the description has {count} shapes"
-        raise InvalidInput(finding("asset/resource-limit", headline, where=where, value=count, bound=MAX_SHAPES))
+        raise InvalidInput(finding("asset/resource-limit", headline, where=where, value=count, bound=MOST_SHAPES_READ))
     if not any(shapes.values()):
         raise InvalidInput(finding("asset/empty-geometry", "no link has a shape", where=where))
     reading = read_mechanism(description, [name for name, visible in shapes.items() if visible])
@@ -78,8 +78,8 @@ def _meshes(description: RobotDescription, reading: MechanismReading, surfaces: 
             X_MS = reading.X_ML[link.name] @ shape.X_LS
             path = f"/{link.name}/{shape_name(shape, link.name, shapes)}_{index}"
             turn = mesh_turn(shape, link, surfaces)
-            made = surfaces.surfaces(shape, X_MS, shape_name(shape, link.name, shapes), path, turn)
-            meshes += [replace(mesh, link=reading.link_of[link.name]) for mesh in made]
+            of_shape = surfaces.surfaces(shape, X_MS, shape_name(shape, link.name, shapes), path, turn)
+            meshes += [replace(mesh, link=reading.link_of[link.name]) for mesh in of_shape]
     return tuple(meshes)
 
 

@@ -54,7 +54,7 @@ class SurfaceReader:
 
     source: SourceFile
     readers: Mapping[str, Reader]
-    mesh_materials_count: bool  # URDF: a mesh file may bring its own materials; MuJoCo ignores them
+    mesh_materials_count: bool  # URDF: a mesh file may bring its of_file materials; MuJoCo ignores them
     materials: list[Material] = field(default_factory=list[Material])
     diagnostics: list[Diagnostic] = field(default_factory=list[Diagnostic])
     repairs: list[Repair] = field(default_factory=list[Repair])
@@ -78,7 +78,7 @@ class SurfaceReader:
     def surfaces(self, shape: DescribedShape, X_MS: FloatArray, name: str, path: str, turn: FloatArray) -> list[Mesh]:
         """The meshes of a shape at X_MS (4, 4); `turn` (3, 3) comes first, for files whose axes the caller corrects.
 
-        Raises InvalidInput as the readers of meshes do, and the shape's own problem.
+        Raises InvalidInput as the readers of meshes do, and the shape's of_file problem.
         """
         if shape.mesh is not None and shape.mesh.problem is not None:
             raise InvalidInput(shape.mesh.problem)
@@ -186,11 +186,11 @@ class SurfaceReader:
     def _chosen(self, mesh: Mesh, described: DescribedMaterial | None) -> int | None:
         """A stated material replaces that of the file, unless the file has a texture and the statement has none."""
         stated = self._material(described, textured=bool(mesh.uvs))
-        own = mesh.material if self.mesh_materials_count else None
-        if own is None or stated is None:
-            return own if stated is None else stated
-        textured = self.materials[own].base_color_texture is not None
-        return own if textured and described is not None and not described.texture else stated
+        of_file = mesh.material if self.mesh_materials_count else None
+        if of_file is None or stated is None:
+            return of_file if stated is None else stated
+        textured = self.materials[of_file].base_color_texture is not None
+        return of_file if textured and described is not None and not described.texture else stated
 
 
 def _with_textures(material: Material, names: Mapping[str, str]) -> Material:

@@ -72,37 +72,37 @@ def articulated() -> PackageContent:
 
 @pytest.fixture
 def package(tmp_path: Path) -> Path:
-    made = articulated()
-    return write_package(made, tmp_path / made.asset_id)
+    wanted_content = articulated()
+    return write_package(wanted_content, tmp_path / wanted_content.asset_id)
 
 
-def assert_same(found: MechanismJoint, wanted: MechanismJoint) -> None:
+def assert_same(joint: MechanismJoint, written: MechanismJoint) -> None:
     for field in ("kind", "parent", "child", "closes_loop"):
-        assert getattr(found, field) == getattr(wanted, field)
+        assert getattr(joint, field) == getattr(written, field)
     for field in ("anchor", "axis", "rest", "damping", "friction", "armature", "stiffness", "effort", "velocity"):
-        expected = getattr(wanted, field)
-        assert getattr(found, field) == (
+        expected = getattr(written, field)
+        assert getattr(joint, field) == (
             expected if expected is None else pytest.approx(expected, rel=1e-5, abs=1e-6)
         ), field
-    assert (found.coupling is None) == (wanted.coupling is None)
-    if found.coupling is not None:
-        assert found.coupling.joint == present(wanted.coupling).joint
-        assert found.coupling.multiplier == pytest.approx(present(wanted.coupling).multiplier, rel=1e-5)
-        assert found.coupling.offset == pytest.approx(present(wanted.coupling).offset, rel=1e-5)
-    assert (found.limits is None) == (wanted.limits is None)
-    assert found.limits is None or found.limits == pytest.approx(wanted.limits, rel=1e-5)
+    assert (joint.coupling is None) == (written.coupling is None)
+    if joint.coupling is not None:
+        assert joint.coupling.joint == present(written.coupling).joint
+        assert joint.coupling.multiplier == pytest.approx(present(written.coupling).multiplier, rel=1e-5)
+        assert joint.coupling.offset == pytest.approx(present(written.coupling).offset, rel=1e-5)
+    assert (joint.limits is None) == (written.limits is None)
+    assert joint.limits is None or joint.limits == pytest.approx(written.limits, rel=1e-5)
 
 
 def test_a_package_read_back_has_the_joints_and_masses_that_were_written(package: Path) -> None:
-    read_back, made = reread_package(package), articulated()
+    read_back, wanted_content = reread_package(package), articulated()
     mechanism = present(read_back.mechanism)
     assert [link.name for link in mechanism.links] == [name for name, _ in LINKS]
     for found, wanted in zip(mechanism.joints, JOINTS, strict=True):
         assert_same(found, wanted)
-    for body, link, (_, origin) in zip(read_back.links, made.links, LINKS, strict=True):
+    for body, link, (_, origin) in zip(read_back.links, wanted_content.links, LINKS, strict=True):
         assert body.mass.mass_kg == pytest.approx(link.mass.mass_kg)
         assert body.mass.centre_of_mass_m + np.array(origin) == pytest.approx(link.mass.centre_of_mass_m, abs=1e-6)
-    assert read_back.body.mass.mass_kg == pytest.approx(sum(link.mass.mass_kg for link in made.links))
+    assert read_back.body.mass.mass_kg == pytest.approx(sum(link.mass.mass_kg for link in wanted_content.links))
     assert len(read_back.body.shapes) == len(LINKS)
 
 

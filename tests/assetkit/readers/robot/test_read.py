@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from trimesh.exchange.obj import export_obj
 
 from assetkit.readers.by_format import READERS
 from assetkit.sources.source_file import SourceFile
@@ -61,7 +62,7 @@ def test_what_is_drawn_hides_what_only_collides(tmp_path: Path) -> None:
 
 def test_a_mirrored_mesh_keeps_its_outside_outside(tmp_path: Path) -> None:
     cone = trimesh.creation.cone(1.0, 2.0)
-    (tmp_path / "cone.obj").write_text(trimesh.exchange.obj.export_obj(cone))
+    (tmp_path / "cone.obj").write_text(export_obj(cone))
     plain, mirrored = (
         model_of(urdf(link("a", visual(f'<mesh filename="cone.obj" scale="{s}"/>'))), tmp_path).meshes[0]
         for s in ("1 1 1", "1 -1 1")
@@ -135,7 +136,7 @@ def test_bad_files_end_with_a_code(code: str, files: dict[str, str], tmp_path: P
 
 
 def test_all_files_that_a_description_is_made_of_count_as_read(tmp_path: Path) -> None:
-    (tmp_path / "box.obj").write_text(trimesh.exchange.obj.export_obj(trimesh.creation.box()))
+    (tmp_path / "box.obj").write_text(export_obj(trimesh.creation.box()))
     included = {"part.xml": '<mujoco><worldbody><geom type="mesh" mesh="m"/></worldbody></mujoco>'}
     before = '<include file="part.xml"/><asset><mesh name="m" file="box.obj"/></asset>'
     source = SourceFile(write(mjcf("", before, **included), tmp_path), tmp_path)
@@ -169,8 +170,11 @@ def truth_of(entry: str | list[dict]) -> dict[str, tuple[str, tuple[float, float
             limits = [row["lowerLimit"], row["upperLimit"]]
             limits = np.radians(limits).tolist() if kind == "revolute" else limits
         if kind != "fixed":
-            stated = None if limits[0] is None or kind == "continuous" else (float(limits[0]), float(limits[1]))
-            joints[row["name"]] = WORDS.get(kind, kind), stated
+            span = tuple(float(v) for v in limits if v is not None and np.isfinite(float(v)))
+            joints[row["name"]] = (
+                WORDS.get(kind, kind),
+                (span[0], span[1]) if len(span) == 2 and kind != "continuous" else None,
+            )
     return joints
 
 
@@ -188,12 +192,12 @@ def test_joints_of_the_shared_files_are_those_of_the_list() -> None:
         path = SHARED / row["path"]
         root = SHARED.joinpath(*Path(row["path"]).parts[: 3 if "malformed" in row["path"] else 2])
         mechanism = present(READERS[row["format"]](SourceFile(path, root)).value).mechanism
-        found = {j.source_name: j for j in mechanism.joints} if mechanism is not None else {}
+        ours = {j.source_name: j for j in mechanism.joints} if mechanism is not None else {}
         truth = {k: v for k, v in truth_of(entry).items() if k not in BASE_JOINTS.get(name, ())}
-        assert found.keys() == truth.keys(), name
+        assert ours.keys() == truth.keys(), name
         for key, (kind, limits) in truth.items():
-            stated = found[key].limits if not found[key].limits_inferred else None
-            assert kind == found[key].kind or found[key].kind == "continuous", (name, key)
+            stated = ours[key].limits if not ours[key].limits_inferred else None
+            assert kind == ours[key].kind or ours[key].kind == "continuous", (name, key)
             assert (stated is None) == (limits is None), (name, key, stated, limits)
             assert stated is None or stated == pytest.approx(limits, abs=1e-3), (name, key)
             compared += 1
