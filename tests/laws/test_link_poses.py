@@ -13,6 +13,7 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -104,7 +105,9 @@ def from_source(package: Released) -> Callable[[Positions], Poses]:
     X_AM = pose(matrix_of(np.array(geometry.source_quat_wxyz)), geometry.origin_offset_m)
     joints = [joint.value for joint in physics.joints]
     sources = {joint["name"]: joint.get("source_name", joint["name"]) for joint in joints}
-    at_rest = link_poses(description, {sources[j["name"]]: j.get("rest_rad", j.get("rest_m")) for j in joints})
+    at_rest = link_poses(
+        description, {sources[j["name"]]: float(j.get("rest_rad", j.get("rest_m", 0.0))) for j in joints}
+    )
 
     def poses(state: Positions) -> Poses:
         now = link_poses(description, {sources[name]: position for name, position in state.items()})
@@ -116,6 +119,18 @@ def from_source(package: Released) -> Callable[[Positions], Poses]:
         return X_WL
 
     return poses
+
+
+class UsdJoint(NamedTuple):
+    """A joint as UsdPhysics has it: its frame in either body, and its axis in that frame."""
+
+    name: str
+    parent: str
+    child: str
+    X_PJ: FloatArray
+    X_CJ: FloatArray
+    axis: FloatArray
+    slides: bool
 
 
 def from_usd(package: Released) -> Callable[[Positions], Poses]:
@@ -132,10 +147,12 @@ def from_usd(package: Released) -> Callable[[Positions], Poses]:
         return pose(matrix_of(np.array([quat.GetReal(), *quat.GetImaginary()])), position)
 
     joints = [
-        (
+        UsdJoint(
             prim.GetName(),
-            *(prim.GetRelationship(f"physics:body{i}").GetTargets()[0].name for i in (0, 1)),
-            *(frame(prim, i) for i in (0, 1)),
+            prim.GetRelationship("physics:body0").GetTargets()[0].name,
+            prim.GetRelationship("physics:body1").GetTargets()[0].name,
+            frame(prim, 0),
+            frame(prim, 1),
             AXES[prim.GetAttribute("physics:axis").Get()],
             prim.IsA(UsdPhysics.PrismaticJoint),
         )
@@ -147,12 +164,13 @@ def from_usd(package: Released) -> Callable[[Positions], Poses]:
         X_WL = {package.root: rest[package.root]}
         waiting = list(joints)
         while waiting:
-            name, parent, child, X_PJ, X_CJ, axis, slides = waiting.pop(0)
-            if parent not in X_WL:
-                waiting.append((name, parent, child, X_PJ, X_CJ, axis, slides))
+            joint = waiting.pop(0)
+            if joint.parent not in X_WL:
+                waiting.append(joint)
                 continue
-            moved = pose(None, state[name] * axis) if slides else pose(rotation_about(axis, state[name]))
-            X_WL[child] = X_WL[parent] @ X_PJ @ moved @ inverse(X_CJ)
+            q = state[joint.name]
+            moved = pose(None, q * joint.axis) if joint.slides else pose(rotation_about(joint.axis, q))
+            X_WL[joint.child] = X_WL[joint.parent] @ joint.X_PJ @ moved @ inverse(joint.X_CJ)
         return X_WL
 
     return poses
