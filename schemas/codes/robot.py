@@ -30,6 +30,12 @@ ROBOT_CODES: dict[str, CodeInfo] = {
         "Its macros decide which links and joints there are.",
         "run `xacro model.urdf.xacro > model.urdf` and give the result",
     ),
+    "robot/sdf": CodeInfo(
+        "error",
+        "The file is an SDF model",
+        "Its frames, includes and plugins follow rules of Gazebo's own.",
+        "run `gz sdf -p model.sdf > model.urdf` or the sdformat_urdf parser, and give the URDF; or export MJCF or USD",
+    ),
     "robot/path-escape": CodeInfo(
         "error",
         "A reference leads out of the folder of the description",

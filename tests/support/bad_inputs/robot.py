@@ -78,6 +78,7 @@ NOT_FROM_A_DESCRIPTION: dict[str, str] = {
     "robot/empty-link": "tests/formats/test_mechanism.py",
     "robot/base-joint": "tests/formats/test_mechanism.py",
     "robot/too-many-links": "tests/formats/test_mechanism.py",
+    "robot/sdf": "tests/assetkit/sources/test_screening.py",
     "robot/closing-joint": "tests/usdio/read/test_mechanism.py",
 }
 
