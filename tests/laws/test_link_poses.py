@@ -30,8 +30,6 @@ from tests.support.present import present
 SHARED = Path(__file__).parents[3] / "shared" / "data" / "assets"
 MECHANISMS = {
     "faucet": "mjcf/libero_faucet_mjcf/faucet.xml",
-    "hingecabinet": "mjcf/furniture_sim/hingecabinet.xml",
-    "microwave": "mjcf/libero_microwave_mjcf/microwave.xml",
     "oven": "mjcf/furniture_sim/oven.xml",  # sliding joints that follow hinges
     "robot_arm": "mjcf/dmc_robot_arm_mjcf/robot_arm.xml",  # joints that are not at zero at rest
     "r2d2": "urdf/pb_r2d2_urdf/r2d2.urdf",  # endless joints, welded links

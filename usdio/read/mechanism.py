@@ -292,9 +292,19 @@ class _StageReader:
         speed = _number(prim, "physxJoint:maxJointVelocity", math.nan)
         if math.isfinite(speed):
             values["velocity"] = speed / per_unit
+        values |= {key: v * self._si(key, angular) for key, v in values.items() if v is not None}
         if any(v is not None and not math.isfinite(v) for v in values.values()):
             self._refuse("robot/invalid-number", "a value of the drive is not finite", prim)
         return replace(joint, **values)
+
+    def _si(self, quantity: str, angular: bool) -> float:
+        """The factor to SI of a number of a drive that holds mass; positions and speeds keep the units of the stage."""
+        if quantity in ("spring_reference", "velocity"):
+            return 1.0
+        kilograms, metres = UsdPhysics.GetStageKilogramsPerUnit(self.stage), UsdGeom.GetStageMetersPerUnit(self.stage)
+        if angular:
+            return kilograms * metres**2
+        return kilograms * metres if quantity in ("effort", "friction") else kilograms
 
     def _mimic(self, prim: Usd.Prim, kind: JointKind) -> Mimic | None:
         """The joint that this one follows, as Newton's schema has it: coefficients per degree and metre."""

@@ -31,12 +31,12 @@ def written(content: PackageContent, folder: Path) -> tuple[RereadPackage, Path,
     return on_disk, urdf, mjcf
 
 
-@pytest.mark.parametrize(("read", "index"), [(read_urdf, 1), (read_mjcf, 2)], ids=["urdf", "mjcf"])
+@pytest.mark.parametrize(("read", "index"), [(read_urdf, 0), (read_mjcf, 1)], ids=["urdf", "mjcf"])
 def test_links_of_the_twins_stand_where_those_of_the_package_do(
     read: Callable[[Path], RobotDescription], index: int, tmp_path: Path
 ) -> None:
-    files = written(articulated(), tmp_path)
-    description, mechanism = read(files[index]), present(files[0].mechanism)
+    on_disk, urdf, mjcf = written(articulated(), tmp_path)
+    description, mechanism = read((urdf, mjcf)[index]), present(on_disk.mechanism)
     rest = {joint.name: joint.rest for joint in mechanism.joints}
     for state in STATES:
         right = link_frames(mechanism, state)

@@ -58,6 +58,20 @@ def test_degrees_frames_and_drives(tmp_path: Path) -> None:
     assert (found.spring_rest, found.effort) == pytest.approx((np.radians(30), 7))
 
 
+def test_forces_of_a_stage_in_centimetres_are_si(tmp_path: Path) -> None:
+    values = "float drive:{0}:physics:damping = 2\n float drive:{0}:physics:maxForce = 3\n"
+    schemas = 'prepend apiSchemas = ["PhysicsDriveAPI:{}"]'
+    header = 'defaultPrim = "Root"\n metersPerUnit = 0.01\n upAxis = "Z"'
+    for kind, name, damping, effort in (
+        ("Revolute", "angular", np.degrees(2) * 1e-4, 3e-4),
+        ("Prismatic", "linear", 2.0, 0.03),
+    ):
+        text = joint("j", "a", "b", values.format(name), kind)
+        text = text.replace('Joint "j" {', f'Joint "j" (\n {schemas.format(name)}\n) {{')
+        (described,) = present(model_of(write(tmp_path, A + B + text, header)).mechanism).joints
+        assert (described.damping, described.effort) == pytest.approx((damping, effort))
+
+
 def test_positions_at_rest_come_from_the_frames(tmp_path: Path) -> None:
     slide = 'uniform token physics:axis = "X"\n point3f physics:localPos0 = (1, 0, 0)\n'
     limits = "float physics:lowerLimit = 0\n float physics:upperLimit = 5"
