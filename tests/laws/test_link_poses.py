@@ -32,7 +32,6 @@ MECHANISMS = {
     "faucet": "mjcf/libero_faucet_mjcf/faucet.xml",
     "oven": "mjcf/furniture_sim/oven.xml",  # sliding joints that follow hinges
     "robot_arm": "mjcf/dmc_robot_arm_mjcf/robot_arm.xml",  # joints that are not at zero at rest
-    "r2d2": "urdf/pb_r2d2_urdf/r2d2.urdf",  # endless joints, welded links
     "fridge": "urdf/habitat_fridge_urdf/fridge.urdf",
 }
 STATES = 20
