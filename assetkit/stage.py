@@ -27,8 +27,10 @@ from schemas.asset import (
 )
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, default
+from schemas.mechanism import Mechanism
 from schemas.model import Axis, Material, Mesh, Model
 from schemas.outcome import Outcome, Repair
+from schemas.package import LinkBody
 from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, Solid, SurfaceMaterial
 from sim.port import Simulator
@@ -83,10 +85,23 @@ class Frame:
 
 
 @dataclass(frozen=True)
+class LinkSurface:
+    """The physical surface of one link of a mechanism, in the asset frame at rest; `wall` (m) of its sheets, if any."""
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    link: str
+    solid: Solid
+    wall: Evidence[float] | None = None
+
+
+@dataclass(frozen=True)
 class Canonical:
     """Repaired meshes in metres, z-up, bottom-centre origin, and the physical surface built from them.
 
     R_AS   (3, 3) rotation from the axes of the source to those of the asset.
+    mechanism, links   how the links of an articulated object move, and the physical surface of each; `solid` is then
+                       that of all at rest. None and () for a rigid object.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -97,6 +112,8 @@ class Canonical:
     up_axis: Evidence[Axis]
     section: GeometrySection
     R_AS: FloatArray
+    mechanism: Mechanism | None = None
+    links: tuple[LinkSurface, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -132,7 +149,8 @@ class Interaction:
 class Physics:
     """Collision shapes, mass properties and contact parameters.
 
-    `surfaces` and `shape_surfaces` as in `schemas.package.PackageContent`.
+    `surfaces` and `shape_surfaces` as in `schemas.package.PackageContent`. Of an articulated object `shapes` are those
+    of all links at rest, `mass` that of all together, and `links` says what belongs to which.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -143,6 +161,8 @@ class Physics:
     section: PhysicsSection
     surfaces: tuple[SurfaceMaterial, ...] = ()
     shape_surfaces: tuple[int, ...] = ()
+    links: tuple[LinkBody, ...] = ()
+    filtered_pairs: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)

@@ -232,12 +232,34 @@ class ColliderMaterial(_Section):
     shares: dict[str, float]
 
 
+class LinkSection(_Section):
+    """One link of an articulated object; mass properties in the asset frame at rest. `members` are the source's links
+    that are welded into it, `origin_m` is where its frame lies.
+    """
+
+    name: str
+    members: tuple[str, ...]
+    origin_m: Vec3
+    material: Evidence[str]
+    density_kgm3: Evidence[float]
+    mass_kg: Evidence[float]
+    centre_of_mass_m: Evidence[Vec3]
+    inertia_kgm2: Evidence[Matrix3]
+    collision_method: str
+    candidates: tuple[Fidelity, ...]
+
+    @property
+    def collider_misses_bounds(self) -> bool:
+        """Whether the chosen collider misses a bound."""
+        return not any(c.accepted for c in self.candidates if c.method == self.collision_method)
+
+
 class PhysicsSection(_Section):
     """Mass properties about the mass centre in the asset frame, contact records, collider choice.
 
     `material` is that which most of the body touches as, by names, use and looks: of the largest share of volume with
     several `mass_parts`, whose own materials are those of their density. `density_kgm3` is then total mass over total
-    volume.
+    volume. Of an articulated object the values are those of all `links` at rest, and `joints` connect these.
     """
 
     material: Evidence[str]
@@ -251,10 +273,13 @@ class PhysicsSection(_Section):
     candidates: tuple[Fidelity, ...]
     collider_materials: tuple[ColliderMaterial, ...] = Field(default=(), description="where parts differ in material")
     joints: tuple[Evidence[dict[str, Any]], ...] = ()
+    links: tuple[LinkSection, ...] = Field(default=(), exclude_if=lambda links: not links)
 
     @property
     def collider_misses_bounds(self) -> bool:
         """Whether the chosen collider misses a bound, so that a person should look before anyone uses it."""
+        if self.links:
+            return any(link.collider_misses_bounds for link in self.links)
         return not any(c.accepted for c in self.candidates if c.method == self.collision_method)
 
 

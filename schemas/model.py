@@ -14,6 +14,7 @@ from pydantic import ConfigDict
 from schemas.arrays import Float32Array, FloatArray, IntArray
 from schemas.evidence import Evidence
 from schemas.identifiers import unique_identifiers
+from schemas.mechanism import Mechanism
 from schemas.stated_physics import StatedContact, StatedMass
 
 MESH_FALLBACK = "mesh"  # The id of a mesh whose name has no letter or digit.
@@ -95,6 +96,7 @@ class Mesh:
     source_path  where the mesh stood in the source hierarchy, e.g. "/scene/handle/mesh_0".
     id         an identifier, unique within the model; given once, at intake (`Model.with_mesh_ids`), empty before.
                Parts, USD prims and files refer to the mesh by it.
+    link       name of the link of the model's mechanism that it belongs to; "" in an object without one.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -108,6 +110,7 @@ class Mesh:
     material: int | None = None
     source_path: str = ""
     id: str = ""
+    link: str = ""
 
 
 @dataclass(frozen=True)
@@ -128,7 +131,7 @@ class Model:
     `meters_per_unit` and `up_axis` are Evidence: `declared` when the format or file states them, `default` when
     it does not. `hints` are texts that may reveal units or axes (comments, generator names), verbatim.
     `metadata` holds statements of the file about itself (author, licence, copyright, generator), `masses` and
-    `contacts` its statements on the physics of its meshes.
+    `contacts` its statements on the physics of its meshes. `mechanism` says how its links move, if it has several.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -143,6 +146,7 @@ class Model:
     metadata: dict[str, str] = field(default_factory=dict[str, str])
     masses: tuple[StatedMass, ...] = ()
     contacts: tuple[StatedContact, ...] = ()
+    mechanism: Mechanism | None = None
 
     @property
     def triangle_count(self) -> int:

@@ -7,11 +7,25 @@ from dataclasses import dataclass
 from pydantic import ConfigDict
 
 from schemas.anchors import Point3
+from schemas.mechanism import Mechanism
 from schemas.model import Model
 from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, SurfaceMaterial
 
 GraspLines = tuple[tuple[Point3, Point3], ...]  # The two ends of the line of each grasp, asset frame, metres.
+
+
+@dataclass(frozen=True)
+class LinkBody:
+    """One link of an articulated object: its mass properties, and its shapes by their indices among those of the
+    object; all in the asset frame at rest.
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    name: str
+    shapes: tuple[int, ...]
+    mass: MassProperties
 
 
 @dataclass(frozen=True)
@@ -22,6 +36,8 @@ class PackageContent:
     each shape which of them it has. When empty, every shape has `contact`, `physical_material` and `density_kgm3`.
     `grasp_lines_m` are the two ends of each grasp's line, asset frame, the best grasp first.
     `parts` become face subsets of the meshes.
+    `mechanism` is that of an articulated object in the asset frame, `links` the bodies of its links in the same order,
+    `filtered_pairs` links that do not collide; `shapes` and `mass` are then those of all links at rest.
     `thumbnail_png` is a 256x256 PNG. Texts are "unknown" where nothing is known; they are never invented.
     """
 
@@ -44,3 +60,6 @@ class PackageContent:
     shape_surfaces: tuple[int, ...] = ()
     grasp_lines_m: GraspLines = ()
     parts: tuple[Part, ...] = ()
+    mechanism: Mechanism | None = None
+    links: tuple[LinkBody, ...] = ()
+    filtered_pairs: tuple[tuple[str, str], ...] = ()

@@ -18,7 +18,7 @@ import numpy as np
 from schemas.arrays import FloatArray, IntArray
 from schemas.diagnostics import Diagnostic, Location
 
-DescriptionFormat = Literal["urdf", "mjcf"]
+DescriptionFormat = Literal["urdf", "mjcf", "usd"]
 JointKind = Literal["fixed", "revolute", "continuous", "prismatic", "ball", "planar", "floating"]
 DescribedShapeKind = Literal[
     "box", "sphere", "cylinder", "capsule", "ellipsoid", "plane", "mesh", "heightfield", "fitted", "unknown"

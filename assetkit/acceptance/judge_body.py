@@ -35,15 +35,19 @@ def accept(
     body: RigidBody,
     visual: tuple[FloatArray, IntArray],
     extent_m: Vec3 | None = None,
+    links: Sequence[RigidBody] = (),
 ) -> AcceptanceResult:
     """Check `body` and `visual` (points (n, 3), triangles (m, 3)), both re-read from `main_file`, in its asset frame.
+
+    Of an articulated object `body` is the whole with its joints held at rest, and `links` are its bodies.
 
     `extent_m` is the extent on record, checked if given. Findings, by cause: `asset/package-invalid` (frame, shapes or
     mass make no sense; nothing is simulated then), `asset/render-collision-misaligned`, `asset/unstable-settling`, and
     for information `asset/reference-pose-topples` and `asset/no-stable-pose`.
     """
     where = Location(file=main_file.name)
-    static = frame_checks(visual[0], extent_m) + body_checks(body)
+    static = frame_checks(visual[0], extent_m)
+    static += [c for link in links for c in _named(link, body_checks(link))] if links else body_checks(body)
     refused = _failures("asset/package-invalid", "the body as written", static, where)
     if refused:
         return _result(simulator, static, (), refused)
@@ -60,6 +64,10 @@ def accept(
     method = f"{stable.trials} drop-settle trials in {simulator.name}"
     poses = tuple(measured(p, method, confidence=stable.at_rest / stable.trials) for p in stable.poses)
     return _result(simulator, checks, poses, diagnostics)
+
+
+def _named(link: RigidBody, checks: Sequence[Check]) -> list[Check]:
+    return [check.model_copy(update={"name": f"{link.name}/{check.name}"}) for check in checks]
 
 
 def _result(

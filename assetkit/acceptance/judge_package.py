@@ -56,7 +56,7 @@ def judge_package(
 def simulate_package(main_file: Path, content: RereadPackage, simulator: Simulator, extent_m: Vec3) -> AcceptanceResult:
     """Acceptance of the body of a package, whose `content` was re-read from disk, in the simulator."""
     visual = content.visual_points, content.visual_triangles
-    return accept(main_file, simulator, body=content.body, visual=visual, extent_m=extent_m)
+    return accept(main_file, simulator, body=content.body, visual=visual, extent_m=extent_m, links=content.links)
 
 
 def judge_bytes(main_file: Path, simulated: AcceptanceResult, collider_misses_bounds: bool) -> PackageVerdict:

@@ -8,21 +8,20 @@ from pathlib import Path
 
 import numpy as np
 
-from assetkit.colliders.self_union import self_union
+from assetkit.geometry.canonical_bodies import joined, mend_bodies
 from assetkit.geometry.distortion import Distortion, distortion_finding
 from assetkit.geometry.physical_surface import at_origin, physical_surface
 from assetkit.geometry.record_section import geometry_section
-from assetkit.geometry.repair import repair_geometry
-from assetkit.geometry.triangle_budget import within_budget
 from assetkit.options import Options
 from assetkit.pose.up_axis import TO_Z_UP, decide_up_axis
 from assetkit.scale.declared_units import decide_unit
-from assetkit.stage import Canonical, Frame, Intake
-from geom.mesh.edit import only_used_points
+from assetkit.stage import Canonical, Frame, Intake, LinkSurface
+from geom.mechanism_pose import in_frame
 from geom.solid.self_intersections import MISCOUNTED_SHARE, SelfIntersection
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
-from schemas.model import Mesh
+from schemas.mechanism import Mechanism
+from schemas.model import Mesh, Model
 from schemas.outcome import Outcome, Repair
 
 FAR_DIAGONALS = 100.0  # Beyond this distance from its origin, float32 keeps fewer than five digits of the shape.
@@ -55,18 +54,18 @@ def canonicalize(item: Intake, source_name: str, options: Options, frame: Frame 
     far = _recentred(low, high)
     centred = [replace(m, points=m.points - far.shift) for m in model.meshes]
     posed = [_posed(m, R_AS, unit.meters_per_unit.value) for m in centred]
-    mended = repair_geometry(posed, self_union)
-    light = within_budget([only_used_points(m) for m in mended.meshes], options.max_triangles)
-    p_origin = _bottom_centre(light.meshes)
+    bodies = mend_bodies(posed, options.max_triangles)
+    p_origin = _bottom_centre([m for body in bodies for m in body.light.meshes])
+    scale = unit.meters_per_unit.value
+    surfaces = [
+        physical_surface(
+            body.mended, body.light, p_origin, options=options, materials=model.materials, meters_per_unit=scale
+        )
+        for body in bodies
+    ]
+    whole = joined(posed, bodies, surfaces)
+    mended, light, physical = whole.mended, whole.light, whole.physical
     homed = at_origin(light.meshes, p_origin)
-    physical = physical_surface(
-        mended,
-        light,
-        p_origin,
-        options=options,
-        materials=model.materials,
-        meters_per_unit=unit.meters_per_unit.value,
-    )
     offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
     section = geometry_section(homed, physical, unit.meters_per_unit, mended, light, R_AS, offset)
     edits = (*mended.diagnostics, *light.diagnostics, *physical.diagnostics)
@@ -74,11 +73,28 @@ def canonicalize(item: Intake, source_name: str, options: Options, frame: Frame 
         (*mended.distortions, *light.distortions, *physical.distortions), mended.unresolved, p_origin
     )
     return Outcome(
-        Canonical(homed, physical.solid, unit.meters_per_unit, up.axis, section, R_AS),
+        Canonical(
+            homed,
+            physical.solid,
+            unit.meters_per_unit,
+            up.axis,
+            section,
+            R_AS,
+            _mechanism(model, R_AS, scale, offset),
+            tuple(LinkSurface(b.link, s.solid, s.wall) for b, s in zip(bodies, surfaces, strict=True) if b.link),
+        ),
         (*unit.diagnostics, *up.diagnostics, *given.diagnostics, *far.diagnostics, *edits, *for_review),
         (*unit.repairs, *up.repairs, *given.repairs, *far.repairs, *physical.repairs, *light.repairs),
         review=unit.review or up.review or bool(for_review),
     )
+
+
+def _mechanism(model: Model, R_AS: FloatArray, scale: float, offset: FloatArray) -> Mechanism | None:
+    """The mechanism of a model in the asset frame; the frame of its root is the asset frame at rest."""
+    if model.mechanism is None:
+        return None
+    placed = in_frame(model.mechanism, R_AS, scale, offset)
+    return replace(placed, links=(replace(placed.root, origin=np.zeros(3)), *placed.links[1:]))
 
 
 def _review_findings(

@@ -48,7 +48,7 @@ def repair_geometry(meshes: Sequence[Mesh], resolver: Resolver | None = None) ->
     Bodies that pass through themselves are sought when there is a `resolver` for them.
     """
     observed = [observe(m.points, m.triangles, m.name) for m in meshes]
-    merged = _observe_all(meshes)
+    merged = observe_all(meshes)
     welded = current = [weld(m) for m in meshes]
     repairs: list[Repair] = []
     notes: list[Diagnostic] = []
@@ -75,7 +75,7 @@ def repair_geometry(meshes: Sequence[Mesh], resolver: Resolver | None = None) ->
             distortions.append(change)
         repairs.append(_repair(defect.name, defect.code, was, now))
         notes.append(_note(defect.code, defect.headline, Location(), was, now))
-    left = _observe_all(current)
+    left = observe_all(current)
     return RepairResult(
         tuple(current),
         (*observed, merged),
@@ -98,7 +98,8 @@ def _non_manifold_findings(left: Topology) -> tuple[Diagnostic, ...]:
     return (finding("asset/non-manifold-left", headline, value=count, bound=0, unit="edges"),)
 
 
-def _observe_all(meshes: Sequence[Mesh]) -> Topology:
+def observe_all(meshes: Sequence[Mesh]) -> Topology:
+    """What is observed on all meshes taken together (`merged`)."""
     points, triangles, _ = merge_surfaces(meshes)
     return observe(points, triangles, "merged")
 

@@ -20,7 +20,7 @@ from assetkit.stages.intake import ReadSource
 from jobs.cache import write_atomically
 from schemas.diagnostics import InvalidInput
 from schemas.physics import CollisionShape
-from usdio.reread.body import reread_body
+from usdio.reread.body import reread_package
 
 
 def draw_preview(path: Path, out: Path) -> list[Path]:
@@ -34,7 +34,7 @@ def draw_preview(path: Path, out: Path) -> list[Path]:
         if not files:
             raise FileNotFoundError(path)
         path = files[0]
-        shapes = reread_body(path).shapes
+        shapes = reread_package(path).body.shapes
     options = Options()
     taken = ReadSource().run(discover([path])[0], options)
     if not taken.objects:

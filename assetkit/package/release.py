@@ -9,7 +9,7 @@ from pathlib import Path
 from assetkit.affordances.grasp_trials import grasp_lines
 from assetkit.package.package import AddGrasps, AddPreviews, Package, WriteRecord, reread
 from assetkit.package.record import read_record
-from assetkit.package.write_urdf import write_urdf
+from assetkit.package.write_twins import write_twins
 from assetkit.stage import Acceptance, Appearance, Canonical, Draft, Interaction, Physics, Previews, Semantics, Tools
 from assetkit.stage_log import StageLog
 from schemas.asset import AssetRecord, SemanticsSection, SourceSection
@@ -36,7 +36,7 @@ def author(draft: Draft, tools: Tools) -> Package:
     shutil.rmtree(folder, ignore_errors=True)
     content = _content(draft, grasps)
     read_back = reread(write_package(content, folder))
-    write_urdf(read_back.body, content, folder, read_back.shape_contacts)
+    write_twins(read_back, content, folder)
     package = Package.on_disk(folder)
     tools.last_package.keep(package, _results(draft), grasps)
     return package
@@ -107,6 +107,9 @@ def _content(draft: Draft, grasps: GraspLines) -> PackageContent:
         shape_surfaces=physics.shape_surfaces,
         grasp_lines_m=grasps,
         parts=tuple(p.value for p in draft.interaction.parts) if draft.interaction else (),
+        mechanism=draft[Canonical].mechanism,
+        links=physics.links,
+        filtered_pairs=physics.filtered_pairs,
     )
 
 

@@ -38,20 +38,31 @@ def write_urdf(body: RigidBody, content: PackageContent, folder: Path, shape_con
     """
     export = folder / "export"
     (export / "meshes").mkdir(parents=True, exist_ok=True)
-    visuals = [
-        _visual(mesh, material, export)
-        for mesh, material in zip(content.model.meshes_by_id.values(), materials_per_mesh(content.model), strict=True)
-        if len(mesh.triangles)
-    ]
-    contacts = shape_contacts if len(set(shape_contacts)) > 1 else [None] * len(body.shapes)
-    collisions = [
-        _collision(f"collider_{index:02d}", shape, contact, export)
-        for index, (shape, contact) in enumerate(zip(body.shapes, contacts, strict=True))
-    ]
-    link = DescribedLink(body.name, (*visuals, *collisions), _inertial(body), "declared", _contact(body))
+    meshes = zip(content.model.meshes_by_id.values(), materials_per_mesh(content.model), strict=True)
+    link = described_link(body, list(meshes), shape_contacts, export)
     path = export / f"{content.asset_id}.urdf"
     path.write_bytes(formats.write_urdf(RobotDescription(content.asset_id, "urdf", (link,), (), body.name)).data)
     return path
+
+
+def described_link(
+    body: RigidBody,
+    meshes: Sequence[tuple[Mesh, MeshMaterial]],
+    shape_contacts: Sequence[Contact],
+    export: Path,
+    prefix: str = "",
+) -> DescribedLink:
+    """The link of `body` with these visible meshes, both in its frame; their files are written to `export/meshes/`.
+
+    Names of collision shapes and their files begin with `prefix`.
+    """
+    visuals = [_visual(mesh, material, export) for mesh, material in meshes if len(mesh.triangles)]
+    contacts = shape_contacts if len(set(shape_contacts)) > 1 else [None] * len(body.shapes)
+    collisions = [
+        _collision(f"{prefix}collider_{index:02d}", shape, contact, export)
+        for index, (shape, contact) in enumerate(zip(body.shapes, contacts, strict=True))
+    ]
+    return DescribedLink(body.name, (*visuals, *collisions), _inertial(body), "declared", _contact(body))
 
 
 def rewrite_urdf(

@@ -7,9 +7,10 @@ from assetkit.readers.collada import format as collada
 from assetkit.readers.gltf import format as gltf
 from assetkit.readers.obj import format as obj
 from assetkit.readers.ply import format as ply
+from assetkit.readers.robot.format import description_formats
 from assetkit.readers.source_format import Reader, SourceFormat
 
-FORMATS: tuple[SourceFormat, ...] = (
+MESH_FILES: tuple[SourceFormat, ...] = (
     obj.FORMAT,
     gltf.GLB,
     gltf.GLTF,
@@ -19,6 +20,8 @@ FORMATS: tuple[SourceFormat, ...] = (
     usd.USD,
     usd.USDZ,
 )
+# Descriptions of links and joints name mesh files, which the readers of these read.
+FORMATS = (*MESH_FILES, *description_formats({e: row.read for row in MESH_FILES for e in row.extensions}))
 READERS: dict[str, Reader] = {row.name: row.read for row in FORMATS}
-MESH_FORMATS: dict[str, str] = {extension: row.name for row in FORMATS for extension in row.extensions}
+FORMAT_OF: dict[str, str] = {extension: row.name for row in FORMATS for extension in row.extensions}
 CAD_FORMATS = frozenset(row.name for row in FORMATS if row.unit_habit == "cad")

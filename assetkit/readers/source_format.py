@@ -38,6 +38,8 @@ class SourceFormat:
     magic        first bytes by which a file under a wrong extension is recognised.
     syntax       the text syntax that the format builds on; its files begin like all of that syntax.
     referring    extensions under which a file is text that names other files, which then count as its parts.
+    marks        text that a file must begin with (in its first 4096 bytes) to be taken in a walk, by extension: others
+                 share the extension.
     unit_habit   "cad": written by CAD and for printing, in millimetres, with the walls that a part has.
     """
 
@@ -47,4 +49,5 @@ class SourceFormat:
     magic: tuple[Signature, ...] = ()
     syntax: Literal["XML", "JSON"] | None = None
     referring: tuple[str, ...] = ()
+    marks: tuple[tuple[str, str], ...] = ()
     unit_habit: Literal["none", "cad"] = "none"

@@ -11,21 +11,22 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from assetkit.package.record import RECORD
-from assetkit.readers.by_format import FORMATS, MESH_FORMATS
+from assetkit.readers.by_format import FORMAT_OF, FORMATS
 from assetkit.sources.source_file import SourceFile
 from jobs.cache import content_key, file_sha256
 
-PLANNED_FORMATS = {".urdf": "urdf", ".xml": "mjcf", ".mjcf": "mjcf", ".blend": "blend"}
+PLANNED_FORMATS = {".blend": "blend"}
 # Extensions of models that are reported where Mana does not read them; other files in a folder are passed over.
 MODEL_EXTENSIONS = {".fbx", ".3mf", ".3ds", ".step", ".stp", ".iges", ".igs", ".off", ".x3d", ".wrl", ".abc", ".sdf"}
-_TEXT_WITH_REFERENCES = {".urdf", ".xml", ".mjcf", *(e for row in FORMATS for e in row.referring)}
+_TEXT_WITH_REFERENCES = {e for row in FORMATS for e in row.referring}
+_MARKS = {extension: text for row in FORMATS for extension, text in row.marks}
 _SEARCHES_FOLDERS = {".urdf", ".xml", ".mjcf"}  # These name meshes relative to a mesh folder or a package.
 _HAS_GEOMETRY_OR_ARC = re.compile(
     r"def (?:Mesh|Cube|Sphere|Cylinder|Cone|Capsule|Plane)|references =|payload =|subLayers ="
 )
 _REFERENCE_SCAN_BYTES = 4_000_000
 _MAX_SLUG = 78  # Names of files and folders are made from it, and they may have 255 bytes.
-_NAMED = "|".join(re.escape(extension) for extension in (*MESH_FORMATS, ".xml"))
+_NAMED = "|".join(re.escape(extension) for extension in FORMAT_OF)
 _NAME_END = re.compile(rf"(?:{_NAMED})(?![a-z0-9])", re.IGNORECASE)
 _NAME_BREAK = re.compile(r"""[\s"'@<>|*?=]""")
 _MAX_FILE_NAME = 1024  # Longer names exist in no file system; a data URI of megabytes is no name.
@@ -69,7 +70,7 @@ def discover(sources: Sequence[Path], *, root: Path | None = None, out: Path | N
 def format_of(path: Path) -> str:
     """The format by extension, or the bare extension when Mana does not read it."""
     suffix = path.suffix.lower()
-    return MESH_FORMATS.get(suffix) or PLANNED_FORMATS.get(suffix) or suffix.lstrip(".") or "none"
+    return FORMAT_OF.get(suffix) or PLANNED_FORMATS.get(suffix) or suffix.lstrip(".") or "none"
 
 
 def slug(stem: str) -> str:
@@ -107,7 +108,7 @@ def _content(path: Path) -> str:
 
 def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path, Path]]:
     """The sources below a folder, each with the largest folder that holds it and no other source."""
-    known = {*MESH_FORMATS, *PLANNED_FORMATS, *MODEL_EXTENSIONS}
+    known = {*FORMAT_OF, *PLANNED_FORMATS, *MODEL_EXTENSIONS}
     left_out = out.resolve() if out else None
     files: list[Path] = []
     for parent, folders, names in os.walk(folder):
@@ -119,7 +120,7 @@ def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path,
         ]
         files += [here / n for n in names if Path(n).suffix.lower() in known and not n.startswith(".")]
     files.sort()
-    files = [f for f in files if f.suffix.lower() != ".xml" or _is_mjcf(f)]
+    files = [f for f in files if (mark := _MARKS.get(f.suffix.lower())) is None or mark in _head(f, 4096)]
     parts = _parts(files)
     sources = [f for f in files if f not in parts]
     below = Counter(folder for f in sources if not _is_material_library(f) for folder in f.parents)
@@ -128,10 +129,6 @@ def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path,
 
 def _is_package(folder: Path) -> bool:
     return (folder / RECORD).is_file() and (folder / "usd").is_dir()
-
-
-def _is_mjcf(path: Path) -> bool:
-    return "<mujoco" in _head(path, 4096)
 
 
 def _parts(files: Sequence[Path]) -> set[Path]:

@@ -9,10 +9,15 @@ import numpy as np
 from assetkit.sources.discover import PLANNED_FORMATS, SourceAsset
 from assetkit.sources.source_file import refusal
 from geom.mesh.topology import is_all_degenerate, is_triangle_soup, observe
-from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
+from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.model import Model
 
 MAX_FILE_BYTES = 2**30
+# Descriptions of links and joints that a tool of their own turns into one that Mana reads.
+TO_CONVERT = {
+    ".xacro": ("robot/xacro", "the file is a xacro template"),
+    ".sdf": ("robot/sdf", "SDF models are not read"),
+}
 
 
 def file_findings(asset: SourceAsset, formats: Collection[str]) -> list[Diagnostic]:
@@ -27,6 +32,9 @@ def file_findings(asset: SourceAsset, formats: Collection[str]) -> list[Diagnost
     size = source.path.stat().st_size
     if suffix in PLANNED_FORMATS:
         return [finding("asset/format-unsupported-yet", f"{suffix} files are not read yet", value=suffix)]
+    if suffix in TO_CONVERT:
+        code, headline = TO_CONVERT[suffix]
+        return [finding(code, headline, where=Location(file=source.relative), value=suffix)]
     if asset.format not in formats:
         headline = f"'{suffix or source.path.name}' is not a supported file type"
         return [finding("asset/format-unsupported", headline, value=suffix, bound=", ".join(sorted(formats)))]

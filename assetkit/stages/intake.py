@@ -53,7 +53,7 @@ class ReadSource:
         )
         require_surface(model)
         files = asset.file.files_read()
-        models = tuple(m.with_mesh_ids() for m in split_objects(model))
+        models = tuple(m.with_mesh_ids() for m in (split_objects(model) if model.mechanism is None else (model,)))
         review = any(d.code == "asset/articulated-source" for d in diagnostics)
         if len(models) > 1:
             too_many = len(models) > options.max_objects

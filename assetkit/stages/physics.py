@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from assetkit.physics.build import build_physics
+from assetkit.physics.links import link_physics
 from assetkit.physics.mass_inputs import mass_inputs_of
 from assetkit.stage import Appearance, Canonical, Draft, Interaction, Physics, Semantics, Stage, Tools
 from schemas.outcome import Outcome
@@ -21,6 +22,15 @@ class AuthorPhysics(Stage):
         canonical = draft[Canonical]
         folder = tools.work_dir / "physics"
         folder.mkdir(parents=True, exist_ok=True)
+        if canonical.mechanism is not None:
+            return link_physics(
+                canonical.mechanism,
+                canonical.links,
+                mass_inputs_of(draft, canonical),
+                names=[draft.source_name],
+                contacts=draft.intake.model.contacts,
+                work_dir=folder,
+            )
         built = build_physics(
             canonical.solid,
             [draft.source_name],

@@ -21,7 +21,7 @@ from assetkit.sources.discover import SourceAsset, discover
 from cli.engines import SIMULATOR
 from schemas.report import ReportItem
 
-PLANNED = {"urdf", "mjcf", "blend"}
+PLANNED = {"blend"}
 EXPECTED = {"accept": {"accepted", "repaired"}, "repair": {"repaired"}, "reject": {"rejected"}}
 
 

@@ -15,7 +15,7 @@ def may_collide(first: Body, second: Body, joint: Joint | None) -> bool:
     """False when a joint between them, a filtered pair or their articulation switches contacts off."""
     if joint is not None and not joint.collides:
         return False
-    if any(_filters(a, b) for a, b in ((first, second), (second, first))):
+    if filtered_pair(first, second):
         return False
     root = _shared_root(first.prim, second.prim)
     while root and not root.IsPseudoRoot():
@@ -23,6 +23,11 @@ def may_collide(first: Body, second: Body, joint: Joint | None) -> bool:
             return False
         root = root.GetParent()
     return True
+
+
+def filtered_pair(first: Body, second: Body) -> bool:
+    """True iff the file says of these two that they do not collide."""
+    return _filters(first, second) or _filters(second, first)
 
 
 def _filters(first: Body, second: Body) -> bool:

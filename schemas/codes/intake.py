@@ -15,7 +15,7 @@ INTAKE_CODES: dict[str, CodeInfo] = {
     "asset/format-unsupported-yet": CodeInfo(
         "error",
         "The file type is planned but not read yet",
-        "URDF, MJCF and .blend carry joints or node graphs that a mesh import would silently drop.",
+        "A .blend holds modifiers and node graphs that a mesh import would silently drop.",
         "export the geometry as GLB or USD",
     ),
     "asset/wrong-content": CodeInfo(
@@ -179,9 +179,9 @@ INTAKE_CODES: dict[str, CodeInfo] = {
     ),
     "asset/articulated-source": CodeInfo(
         "warning",
-        "The source declares joints, which this release does not carry over",
-        "One rigid body would silently lock them.",
-        "wait for the articulated-asset release, or ingest the links one by one",
+        "The source declares joints that are not carried over",
+        "One rigid body would silently lock them. Of glTF no joints are read, of USD only those between rigid bodies.",
+        "apply PhysicsRigidBodyAPI to the prims that move, or give the object as USD, URDF or MJCF",
     ),
     # Units and axes.
     "asset/unit-mismatch": CodeInfo(

@@ -30,6 +30,12 @@ ROBOT_CODES: dict[str, CodeInfo] = {
         "Its macros decide which links and joints there are.",
         "run `xacro model.urdf.xacro > model.urdf` and give the result",
     ),
+    "robot/sdf": CodeInfo(
+        "error",
+        "The file is an SDF model",
+        "Its frames, includes and plugins follow rules of Gazebo's own.",
+        "run `gz sdf -p model.sdf > model.urdf` or the sdformat_urdf parser, and give the URDF; or export MJCF or USD",
+    ),
     "robot/path-escape": CodeInfo(
         "error",
         "A reference leads out of the folder of the description",
@@ -96,6 +102,30 @@ ROBOT_CODES: dict[str, CodeInfo] = {
         "Several links have no parent",
         "The file describes several unconnected bodies; engines keep one of them, or crash.",
         "connect the links named by joints, or write one file for each body",
+    ),
+    "robot/empty-link": CodeInfo(
+        "error",
+        "A link that moves has no shape",
+        "It can be neither drawn nor weighed; engines refuse a massless body between two joints.",
+        "give the link a shape, or join its neighbours by one joint",
+    ),
+    "robot/base-joint": CodeInfo(
+        "info",
+        "A joint moves nothing within the object",
+        "It holds the whole object in the world, or follows a joint that does not move.",
+        "nothing; the joint can be added where the object is placed",
+    ),
+    "robot/closing-joint": CodeInfo(
+        "warning",
+        "A joint closes a loop",
+        "Articulations are trees: engines take the joint as a constraint, and a URDF cannot hold it.",
+        "use the USD where the loop matters",
+    ),
+    "robot/too-many-links": CodeInfo(
+        "error",
+        "More links move than engines take in one articulation",
+        "The file is a scene or a chain of particles, not one object.",
+        "give a file for each object",
     ),
     # The description as numbers.
     "robot/invalid-number": CodeInfo(

@@ -12,7 +12,9 @@ from typing import Final
 import numpy as np
 from pxr import Pcp, Tf, Usd, UsdGeom, UsdPhysics
 
+from formats.mechanism import with_slide_limits
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
+from schemas.mechanism import Mechanism
 from schemas.model import Mesh, Model, Node
 from schemas.outcome import INTAKE, Outcome, Repair
 from usdio.quiet import quiet
@@ -21,6 +23,7 @@ from usdio.read.gprim_mesh import GprimMesh, submesh, transformed
 from usdio.read.gprim_placement import PlacedGprim, StageGprims, find_gprims
 from usdio.read.layer_guard import PinnedLayers, check_layers, message
 from usdio.read.materials import LoadTexture, MaterialTable
+from usdio.read.mechanism import StageMechanism, stage_mechanism
 from usdio.read.meshes import IMPLICIT_SHAPES, UNSUPPORTED, read_implicit_shape, read_mesh
 from usdio.read.physics import stated_physics
 
@@ -76,8 +79,10 @@ def _read(layers: PinnedLayers, load_texture: LoadTexture) -> Outcome[Model]:
     if not shapes.value:
         raise InvalidInput(_no_surface(gprims, composed.diagnostics, where))
     masses, contacts = stated_physics(stage, start.value, shapes.value, where)
+    moving = stage_mechanism(stage, shapes.value, where)
+    meshes, mechanism, slides = _linked(shapes.value, moving)
     model = Model(
-        meshes=shapes.value,
+        meshes=meshes,
         materials=tuple(entry.material for entry in table.entries),
         textures=tuple(table.textures),
         nodes=_with_meshes(gprims.nodes, shapes.value),
@@ -87,14 +92,29 @@ def _read(layers: PinnedLayers, load_texture: LoadTexture) -> Outcome[Model]:
         metadata=stage_metadata.metadata(stage, start.value),
         masses=masses,
         contacts=contacts,
+        mechanism=mechanism,
     )
     parts = (composed, unit, axis, start, shapes)
     diagnostics = [d for part in parts for d in part.diagnostics] + table.diagnostics
     diagnostics += stage_metadata.layer_contradictions(layers, where)
     diagnostics += _unsupported_prims(gprims, where)
-    diagnostics += [*_animation(gprims, where), *_clips(layers), *_articulation(stage, where)]
+    diagnostics += [*_animation(gprims, where), *_clips(layers)]
+    diagnostics += moving.reading.notes if moving is not None else _articulation(stage, where)
     repairs = [r for part in parts for r in part.repairs] + table.repairs
+    repairs += [*(moving.reading.repairs if moving else ()), *slides]
     return Outcome(model, tuple(diagnostics), tuple(repairs))
+
+
+def _linked(
+    meshes: tuple[Mesh, ...], moving: StageMechanism | None
+) -> tuple[tuple[Mesh, ...], Mechanism | None, tuple[Repair, ...]]:
+    """The meshes with their links, and the mechanism whose sliding joints all end somewhere."""
+    if moving is None or moving.mechanism is None:
+        return meshes, None, ()
+    size = float(np.linalg.norm(np.ptp(np.concatenate([mesh.points for mesh in meshes]), axis=0)))
+    mechanism, repairs = with_slide_limits(moving.mechanism, size)
+    linked = [replace(m, link=moving.link_of[m.source_path]) for m in meshes if m.source_path in moving.link_of]
+    return tuple(linked), mechanism, repairs
 
 
 def _composition(stage: Usd.Stage, layers: PinnedLayers) -> Outcome[None]:
@@ -232,7 +252,7 @@ def _clips(layers: PinnedLayers) -> tuple[Diagnostic, ...]:
 
 
 def _articulation(stage: Usd.Stage, where: Location) -> tuple[Diagnostic, ...]:
-    """A warning naming the joints when bodies are connected, or when an articulation has several bodies."""
+    """A warning that names joints between prims which are no rigid bodies, or bodies that a root alone connects."""
     prims = list(stage.Traverse(Usd.TraverseInstanceProxies()))
     joints = [p for p in prims if p.IsA(UsdPhysics.Joint) and _bodies(p) == 2]
     roots = [p for p in prims if p.HasAPI(UsdPhysics.ArticulationRootAPI)]

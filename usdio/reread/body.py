@@ -14,8 +14,10 @@ from geom.mass.principal_axes import inertia_from_principal
 from geom.pose import apply, shortest_rotation
 from schemas.arrays import FloatArray, IntArray
 from schemas.diagnostics import InvalidInput, Location, finding
+from schemas.mechanism import Mechanism
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 from usdio.contact_material import bound_contact_material
+from usdio.reread.mechanism import held_at_rest, reread_mechanism
 from usdio.stage import open_stage
 
 _AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
@@ -26,20 +28,37 @@ class RereadPackage:
     """One package as its USD files hold it, in the asset frame, metres and kilograms.
 
     `shape_contacts` has the contact of each shape of `body`; `visual_points` (n, 3) float64 and `visual_triangles`
-    (m, 3) int32 are all rendered meshes merged.
+    (m, 3) int32 are all rendered meshes merged. Of an articulated object `mechanism` has the joints, `links` the bodies
+    of its links, each in its own frame, in the same order; `body` is then the object with its joints held at rest.
     """
 
     body: RigidBody
     shape_contacts: tuple[Contact, ...]
     visual_points: FloatArray
     visual_triangles: IntArray
+    mechanism: Mechanism | None = None
+    links: tuple[RigidBody, ...] = ()
+
+    @property
+    def bodies(self) -> tuple[RigidBody, ...]:
+        """The bodies that move: the links, or the rigid object itself."""
+        return self.links or (self.body,)
 
 
 def reread_package(main_file: Path) -> RereadPackage:
     """All that `reread_body`, `reread_shape_contacts` and `reread_visual` give, from one opening. Raises as they do."""
     stage = open_stage(main_file)
-    prim = _single_body(stage, main_file)
-    return RereadPackage(body_of(prim, main_file), _shape_contacts(prim, main_file), *_visual(stage))
+    prims = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    if len(prims) < 2:
+        prim = _single_body(stage, main_file)
+        return RereadPackage(body_of(prim, main_file), _shape_contacts(prim, main_file), *_visual(stage))
+    mechanism = reread_mechanism(stage, prims, main_file)
+    by_name = {prim.GetName(): prim for prim in prims}
+    ordered = [by_name[link.name] for link in mechanism.links]
+    links = tuple(body_of(prim, main_file) for prim in ordered)
+    contacts = tuple(c for prim in ordered for c in _shape_contacts(prim, main_file))
+    whole = held_at_rest(stage.GetDefaultPrim().GetName(), links, mechanism)
+    return RereadPackage(whole, contacts, *_visual(stage), mechanism, links)
 
 
 def reread_body(main_file: Path) -> RigidBody:

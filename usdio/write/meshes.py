@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdShade, Vt
@@ -18,16 +19,31 @@ PART_FAMILY = "manaPart"
 _MAX_ROLLS = 1000
 
 
-def author_meshes(
-    stage: Usd.Stage, root: Sdf.Path, model: Model, mesh_materials: Sequence[MeshMaterial], parts: Sequence[Part] = ()
-) -> set[bytes]:
-    """Define `<root>/Visuals/<id>` for every mesh with triangles; `mesh_materials` holds one per mesh.
+class BodyFrame(NamedTuple):
+    """The prim of a body, and where its frame lies (3,) in the asset frame, with the same axes."""
 
-    Points keep their order and sharing. Each of `parts` becomes a face subset of the meshes it lies on. A mesh that
-    equals an earlier one in position, shape and material is left out: it adds nothing visible and fails VG.008. Returns
-    the corner orders taken, see `distinct_corner_order`.
+    path: Sdf.Path
+    origin_m: FloatArray
+
+
+def author_meshes(
+    stage: Usd.Stage,
+    root: Sdf.Path,
+    model: Model,
+    mesh_materials: Sequence[MeshMaterial],
+    parts: Sequence[Part] = (),
+    frames: Mapping[str, BodyFrame] | None = None,
+) -> set[bytes]:
+    """Define `<body>/Visuals/<id>` for every mesh with triangles; `mesh_materials` holds one per mesh.
+
+    `frames` are those of the bodies by their link; without them all is one body at `root`. Points keep their order and
+    sharing. Each of `parts` becomes a face subset of the meshes it lies on. A mesh that equals an earlier one in
+    position, shape and material is left out: it adds nothing visible and fails VG.008. Returns the corner orders taken,
+    see `distinct_corner_order`.
     """
-    UsdGeom.Xform.Define(stage, root.AppendChild("Visuals"))
+    frames = frames or {"": BodyFrame(root, np.zeros(3))}
+    for frame in frames.values():
+        UsdGeom.Xform.Define(stage, frame.path.AppendChild("Visuals"))
     taken: set[bytes] = set()
     written: set[bytes] = set()
     for (mesh_id, mesh), mesh_material in zip(model.meshes_by_id.items(), mesh_materials, strict=True):
@@ -37,7 +53,10 @@ def author_meshes(
         if content in written:
             continue
         written.add(content)
-        path = root.AppendChild("Visuals").AppendChild(mesh_id)
+        frame = frames[mesh.link]
+        path = frame.path.AppendChild("Visuals").AppendChild(mesh_id)
+        if frame.origin_m.any():
+            mesh = replace(mesh, points=mesh.points - frame.origin_m)
         corners = distinct_corner_order(mesh.points, mesh.triangles, taken)
         prim = _author_mesh(stage, path, _with_corner_order(mesh, corners), mesh_material, root)
         _author_parts(prim, mesh_id, corners[::3] // 3, parts)

@@ -12,7 +12,9 @@ from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics
 from schemas.identifiers import identifier, unique_identifiers
 from schemas.package import PackageContent
 from schemas.physics import SurfaceMaterial
+from usdio.write.bodies import package_bodies, place_body
 from usdio.write.grasps import author_grasps
+from usdio.write.joints import author_filtered_pairs, author_joints
 from usdio.write.materials import author_materials, texture_files
 from usdio.write.mesh_materials import materials_per_mesh
 from usdio.write.meshes import author_meshes
@@ -44,10 +46,18 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     files = texture_files(content.model, mesh_materials)
 
     meshes, materials, physics = _new_stage(root), _new_stage(root), _new_stage(root)
-    taken = author_meshes(meshes, root, content.model, mesh_materials, content.parts)
+    bodies = package_bodies(content, root)
+    frames = {body.link: body.frame for body in bodies}
+    taken = author_meshes(meshes, root, content.model, mesh_materials, content.parts, frames)
     paths = {name: f"../textures/{file}" for name, file in files.items()}
     author_materials(materials, root, mesh_materials, paths, label)
-    author_colliders(physics, root, content.shapes, _contact_materials(physics, root, content), taken)
+    contact_materials = _contact_materials(physics, root, content)
+    for body in bodies:
+        of_shapes = [contact_materials[i] for i in body.shape_indices]
+        author_colliders(physics, body.frame.path, body.shapes, of_shapes, taken)
+    if content.mechanism is not None:
+        author_joints(physics, root, content.mechanism)
+        author_filtered_pairs(physics, root, content.filtered_pairs)
     author_grasps(physics, root, content.grasp_lines_m)
 
     stem = content.asset_id
@@ -95,7 +105,10 @@ def _main_layer(content: PackageContent, root: Sdf.Path) -> Sdf.Layer:
     stage = _new_stage(root)
     layer = stage.GetRootLayer()
     prim = stage.GetDefaultPrim()
-    author_body(prim, content.mass)
+    for body in package_bodies(content, root):
+        author_body(place_body(stage, body), body.mass)
+    if content.mechanism is not None:
+        UsdPhysics.ArticulationRootAPI.Apply(prim)
     Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
     Usd.ModelAPI(prim).SetAssetName(content.asset_id)
     known = content.category not in ("", UNKNOWN)
@@ -124,7 +137,7 @@ def _metadata(content: PackageContent) -> dict[str, object]:
         "source_file": content.source_file or UNKNOWN,
         "usd_date_generated": datetime.fromtimestamp(seconds, UTC).date().isoformat(),
         "qcode": _qcode(content),
-        "rigid_body_count": 1,
+        "rigid_body_count": max(1, len(content.links)),
         "asset_extents": Gf.Vec3f(*(float(v) for v in extent)),
         "mass": float(content.mass.mass_kg),
     }

@@ -22,7 +22,7 @@ from random import Random
 
 from assetkit.batch.item_cells import LOST_CODES, Batch, run_items
 from assetkit.options import Options
-from assetkit.readers.by_format import MESH_FORMATS
+from assetkit.readers.by_format import FORMAT_OF
 from assetkit.sources.discover import discover
 from benchmarks.assets.fuzz.mutations import mutate
 from cli.engines import SIMULATOR
@@ -46,7 +46,7 @@ class Seed:
     @property
     def format(self) -> str:
         """The reader's format."""
-        return MESH_FORMATS[self.file.suffix.lower()]
+        return FORMAT_OF[self.file.suffix.lower()]
 
 
 def seeds_in(folders: list[Path]) -> list[Seed]:
@@ -54,7 +54,7 @@ def seeds_in(folders: list[Path]) -> list[Seed]:
     seeds: dict[tuple[str, int], Seed] = {}
     for candidate in discover(folders):
         path, root = candidate.file.path, candidate.file.root
-        if path.suffix.lower() not in MESH_FORMATS or path.is_symlink():
+        if path.suffix.lower() not in FORMAT_OF or path.is_symlink():
             continue
         size = path.stat().st_size
         files = [p for p in root.rglob("*") if p.is_file()]
@@ -119,7 +119,7 @@ def odd_file(rng: Random, file: Path) -> tuple[Path, str]:
             os.mkfifo(file)
             return file, "a pipe"
         case 6:
-            other = file.with_suffix(rng.choice(sorted(MESH_FORMATS)))
+            other = file.with_suffix(rng.choice(sorted(FORMAT_OF)))
             return file.rename(other), f"called {other.suffix}"
         case 7:
             return file.rename(file.with_suffix(suffix.swapcase())), "mixed case"

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from gate.rules.rule import Rule
-from gate.subject import Subject
+from gate.subject import Body, Subject
 from gate.subject.inertial import mass_centre, stated_inertia
 from gate.subject.values import STATED_TOLERANCE, at, format_numbers
 from schemas.arrays import FloatArray
@@ -26,8 +26,8 @@ CODE = DiagnosticCode(
 )
 
 
-class Twin(NamedTuple):
-    """The one link of a URDF file: mass (kg), mass centre (3,) m, tensor (3, 3) kg m2 about it, collision shapes."""
+class TwinLink(NamedTuple):
+    """A link of a URDF file: mass (kg), mass centre (3,) m, tensor (3, 3) kg m2 about it, collision shapes."""
 
     mass_kg: float
     centre_m: FloatArray
@@ -36,19 +36,32 @@ class Twin(NamedTuple):
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
-    """In a package of one body with one URDF file of one link below `export`: a finding per value that differs."""
+    """In a package with one URDF file below `export`: a finding per value that differs, and per missing link.
+
+    One body is the one link, whatever its name; of several each has the link of its name.
+    """
     files = sorted((subject.package_folder / "export").glob("*.urdf")) if subject.released else []
-    if len(files) != 1 or len(subject.active_bodies) != 1:
+    if len(files) != 1 or not subject.active_bodies:
         return
-    body = subject.active_bodies[0]
+    where = Location(file=f"export/{files[0].name}")
     try:
-        twin = _read(files[0])
+        links = _read(files[0])
     except (OSError, ValueError, AttributeError, TypeError, ElementTree.ParseError) as error:
-        where = Location(file=f"export/{files[0].name}")
         yield finding(CODE, "the URDF twin cannot be read", where=where, value=f"{error}"[:200])
         return
-    if twin is None:
+    if len(links) != len(subject.active_bodies):
+        headline, bodies = "the URDF twin has another number of links", len(subject.active_bodies)
+        yield finding(CODE, headline, where=where, value=bodies, bound=len(links), unit="bodies")
         return
+    for body in subject.active_bodies:
+        link = next(iter(links.values())) if len(links) == 1 else links.get(body.prim.GetName())
+        if link is None:
+            yield finding(CODE, "the URDF twin has no link of this body", where=at(body.prim))
+        else:
+            yield from _differences(subject, body, link)
+
+
+def _differences(subject: Subject, body: Body, twin: TwinLink) -> Iterator[Diagnostic]:
     centre, inertia = mass_centre(body, subject), stated_inertia(body, subject)
     rows = (
         ("mass", "kg", body.mass_kg, twin.mass_kg, twin.mass_kg),
@@ -72,19 +85,20 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
             )
 
 
-def _read(file: Path) -> Twin | None:
-    """The inertial of the only link; None for a file of several links. Raises what malformed numbers raise."""
-    links = ElementTree.parse(file).getroot().findall("link")
-    if len(links) != 1:
-        return None
-    inertial = links[0].find("inertial")
+def _read(file: Path) -> dict[str, TwinLink]:
+    """The links by name. Raises what malformed numbers raise."""
+    return {link.get("name", ""): _link(link) for link in ElementTree.parse(file).getroot().findall("link")}
+
+
+def _link(link: ElementTree.Element) -> TwinLink:
+    inertial = link.find("inertial")
     origin, mass, entries = (None,) * 3 if inertial is None else map(inertial.find, ("origin", "mass", "inertia"))
     if mass is None or entries is None:
         raise ValueError("the link has no mass or inertia")
     xyz, rpy = (np.zeros(3) if origin is None else _floats(origin.get(key, "0 0 0")) for key in ("xyz", "rpy"))
     rows = [[float(entries.get(f"i{min(i, j)}{max(i, j)}", "nan")) for j in "xyz"] for i in "xyz"]
     R = Rotation.from_euler("xyz", rpy).as_matrix()  # URDF: fixed axes x, y, z
-    return Twin(float(mass.get("value", "nan")), xyz, R @ np.array(rows) @ R.T, len(links[0].findall("collision")))
+    return TwinLink(float(mass.get("value", "nan")), xyz, R @ np.array(rows) @ R.T, len(link.findall("collision")))
 
 
 def _floats(text: str) -> FloatArray:

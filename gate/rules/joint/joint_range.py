@@ -8,6 +8,7 @@ import numpy as np
 
 from gate.rules.rule import Rule
 from gate.subject import Joint, Subject
+from gate.subject.body import diagonal, stacked
 from gate.subject.joint import ONE_DOF_KINDS
 from gate.subject.values import at, format_numbers
 from schemas.codes.code_info import DiagnosticCode
@@ -26,7 +27,8 @@ SLIDE_ASSET_SIZES = 1.5
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
     """A finding per joint that is locked by its limits, turns or slides absurdly far, or seems to be in radians."""
-    asset_m = max((b.diagonal_m for b in subject.bodies), default=0.0)
+    clouds = [cloud for b in subject.bodies for cloud in (b.collider_points_W, b.visible_points_W)]
+    asset_m = diagonal(stacked(clouds))
     for joint in subject.joints:
         lower, upper = joint.limits
         if joint.kind in ONE_DOF_KINDS and lower <= upper and np.isfinite(upper - lower):
@@ -47,15 +49,22 @@ def _range(subject: Subject, joint: Joint, asset_m: float) -> Iterator[Diagnosti
         yield finding(
             CODE, headline, where=where, value=value, bound=RADIANS_MOST, unit="deg", severity=Severity.WARNING
         )
-    elif joint.kind == "prismatic" and span > SLIDE_ASSET_SIZES * max(asset_m, joint.size_m) > 0.0:
+    elif joint.kind == "prismatic" and (travel_m := _travel(joint)) > (bound := SLIDE_ASSET_SIZES * asset_m) > 0.0:
         headline = "the joint slides further than the object is large"
-        bound = SLIDE_ASSET_SIZES * max(asset_m, joint.size_m)
-        yield finding(CODE, headline, where=where, value=span, bound=bound, unit="m", severity=subject.suspect_severity)
+        severity = subject.suspect_severity
+        yield finding(CODE, headline, where=where, value=travel_m, bound=bound, unit="m", severity=severity)
+
+
+def _travel(joint: Joint) -> float:
+    """How far the joint slides from rest, the further way."""
+    rest = joint.rest()
+    at_rest = 0.0 if rest is None else rest.coordinate
+    return max(abs(limit - at_rest) for limit in joint.limits)
 
 
 RULE = Rule(
     CODE,
-    "not locked; within 1080 deg and over 6.3 deg; slides <= 1.5 sizes of the largest link",
+    "not locked; within 1080 deg and over 6.3 deg; slides <= 1.5 sizes of the object either way",
     "USD angles are degrees; ranges of real mechanisms",
     check,
 )

@@ -9,7 +9,7 @@ import networkx as nx
 
 from gate.rules.rule import Rule
 from gate.subject import Body, Joint, Subject
-from gate.subject.filters import may_collide
+from gate.subject.filters import filtered_pair, may_collide
 from gate.subject.overlap import deepest_penetration, hulls_along_motion, hulls_of
 from gate.subject.values import at
 from geom.convex.penetration import shared_volume
@@ -34,7 +34,7 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
 
     Links welded by fixed joints may overlap. For links that share a moving joint only the overlap that the joint's
     motion can undo counts: a housing overlaps its shaft wherever that turns, a drawer that sticks in the back wall
-    comes free when pulled.
+    comes free when pulled. Only a warning are links that a filtered pair names: the author means them to overlap.
     """
     welded = _welded(subject)
     movers = {frozenset((welded[a.path], welded[b.path])): joint for joint, a, b in _moving(subject)}
@@ -78,7 +78,7 @@ def _pair(subject: Subject, first: Body, second: Body, joint: Joint | None) -> I
         unit="of its volume" if swallowed else "m",
         labels=(Label(where=at(second.prim), text="the other link"),),
         severity=subject.suspect_severity
-        if swallowed or through or may_collide(first, second, joint)
+        if not filtered_pair(first, second) and (swallowed or through or may_collide(first, second, joint))
         else Severity.WARNING,
     )
 

@@ -10,7 +10,7 @@ import pytest
 
 from assetkit.options import Options
 from assetkit.readers import by_format
-from assetkit.readers.by_format import CAD_FORMATS, FORMATS, MESH_FORMATS, READERS
+from assetkit.readers.by_format import CAD_FORMATS, FORMAT_OF, FORMATS, READERS
 from assetkit.readers.common.sniff import screen, sniff
 from assetkit.readers.source_format import SourceFormat
 from assetkit.scale.unit_posterior import unit_prior
@@ -24,8 +24,8 @@ EACH = pytest.mark.parametrize("row", FORMATS, ids=lambda row: row.name)
 
 def test_names_and_extensions_belong_to_one_format():
     assert len(READERS) == len(FORMATS)
-    assert len(MESH_FORMATS) == sum(len(row.extensions) for row in FORMATS)
-    assert all(e == e.lower() and e.startswith(".") for e in MESH_FORMATS)
+    assert len(FORMAT_OF) == sum(len(row.extensions) for row in FORMATS)
+    assert all(e == e.lower() and e.startswith(".") for e in FORMAT_OF)
 
 
 @EACH
@@ -33,7 +33,7 @@ def test_a_walk_takes_every_extension_and_a_text_that_names_one_makes_it_a_part(
     for extension in row.extensions:
         folder = tmp_path / extension[1:]
         folder.mkdir()
-        (folder / f"thing{extension}").write_bytes(b"")
+        (folder / f"thing{extension}").write_text(dict(row.marks).get(extension, ""))
         assert [asset.format for asset in discover([folder])] == [row.name]
         assert format_of(Path(f"THING{extension.upper()}")) == row.name
         (folder / "robot.urdf").write_text(f'<mesh filename="thing{extension}"/>')
@@ -44,7 +44,7 @@ def test_a_walk_takes_every_extension_and_a_text_that_names_one_makes_it_a_part(
 def test_text_formats_that_name_files_take_them_as_parts(row: SourceFormat, tmp_path: Path):
     for extension in row.referring:
         (tmp_path / "part.stl").write_bytes(b"")
-        (tmp_path / f"whole{extension}").write_text('"part.stl"')
+        (tmp_path / f"whole{extension}").write_text(dict(row.marks).get(extension, "") + ' "part.stl"')
         assert [asset.file.path.name for asset in discover([tmp_path])] == [f"whole{extension}"]
         (tmp_path / f"whole{extension}").unlink()
 

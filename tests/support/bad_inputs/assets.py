@@ -188,8 +188,8 @@ BOMB = (
     "<!DOCTYPE x [<!ENTITY a 'aaaaaaaaaa'><!ENTITY b '&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;'>]>"
     "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'><asset>&b;</asset></COLLADA>"
 )
-JOINT = """    def Cube "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {}
-    def Cube "b" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {}
+JOINT = """    def Cube "a" {}
+    def Cube "b" {}
     def PhysicsRevoluteJoint "hinge"
     {
         rel physics:body0 = </Root/a>
@@ -221,7 +221,7 @@ def mtl(content: str) -> Writer:
 
 SAMPLES: dict[str, Writer] = {
     "asset/format-unsupported": text("part.fbx", b"Kaydara FBX Binary"),
-    "asset/format-unsupported-yet": text("part.urdf", "<robot name='r'><link name='a'/></robot>"),
+    "asset/format-unsupported-yet": text("part.blend", "BLENDER-v300"),
     "asset/wrong-content": text("part.glb", "<!DOCTYPE html><html>404</html>"),
     "asset/lfs-pointer": text("part.glb", LFS),
     "asset/parse-error": text("part.gltf", '{"asset": '),

@@ -72,7 +72,15 @@ SAMPLES: dict[str, Files] = {
     "robot/reversed-limits": urdf(AB, joint("j", "a", "b", "revolute", '<limit lower="1" upper="-1"/>')),
     "robot/unread-element": urdf(link("a"), "<gazebo/>\n"),
 }
-NOT_FROM_A_DESCRIPTION: dict[str, str] = {"robot/not-expressible": "tests/formats/urdf/test_write.py"}
+# Found when the moving structure is read, or in another kind of file.
+NOT_FROM_A_DESCRIPTION: dict[str, str] = {
+    "robot/not-expressible": "tests/formats/urdf/test_write.py",
+    "robot/empty-link": "tests/formats/test_mechanism.py",
+    "robot/base-joint": "tests/formats/test_mechanism.py",
+    "robot/too-many-links": "tests/formats/test_mechanism.py",
+    "robot/sdf": "tests/assetkit/sources/test_screening.py",
+    "robot/closing-joint": "tests/usdio/read/test_mechanism.py",
+}
 
 
 def write(files: Files, folder: Path) -> Path:
