@@ -29,10 +29,10 @@ _MOST_VALUES, _MOST_MEMORY = 8, 64  # parameters and remembered numbers of a law
 _SWEEPS = 12  # of friction impulses over the joints, as in `joint_dynamics`
 _LARGEST_RATE = 1e4  # as in `mechanism`
 _NONE, _EFFORT, _PD = 0, 1, 2
-_MAP, _TORQUE, _FRICTION = 1, 2, 3
+_EFFORT_LAW, _TORQUE_LAW, _FRICTION_LAW = 1, 2, 3
 _PLANAR, _TREE = 1, 2
 _DRIVES = {"none": _NONE, "effort": _EFFORT, "position_pd": _PD}
-_KINDS = {EffortMap: _MAP, JointTorque: _TORQUE, JointFriction: _FRICTION}
+_KINDS = {EffortMap: _EFFORT_LAW, JointTorque: _TORQUE_LAW, JointFriction: _FRICTION_LAW}
 
 warnings.filterwarnings("ignore", category=numba.NumbaExperimentalFeatureWarning)
 _STATE = numba.types.NamedUniTuple(numba.float64, len(JointState._fields), JointState)
@@ -78,7 +78,7 @@ def rollout(
     )
     pointers += (_compiled(_no_law),) * (MOST_LAWS - len(laws))
     by_load = any(isinstance(law.hook, JointFriction) and law.hook.by_load for law in laws)
-    friction = (kinds == _FRICTION).any() or bool(model.friction.any())
+    friction = (kinds == _FRICTION_LAW).any() or bool(model.friction.any())
     volts = windows.aux.get(supply)
     form = joint_dynamics(model.tree, model.gravity_W)
     inputs = (
@@ -208,7 +208,7 @@ def _roll_separate(
         order = np.empty(len(kinds), dtype=np.int64)
         ends = np.zeros(4, dtype=np.int64)
         count = 0
-        for kind in (_MAP, _TORQUE, _FRICTION):
+        for kind in (_EFFORT_LAW, _TORQUE_LAW, _FRICTION_LAW):
             for i in range(len(kinds)):
                 if kinds[i] == kind and places[i] == j:
                     order[count] = i
@@ -274,7 +274,7 @@ def _kick_separate(
 ) -> Any:
     """The rate of a joint after one step: the step of `mechanism._Forces.kick` for one joint."""
     nan = np.nan
-    for n in range(ends[_MAP]):
+    for n in range(ends[_EFFORT_LAW]):
         i = order[n]
         effort = laws[i](JointState(t_s, q, qd, effort, dt_s, nan, nan, nan, volts), values[i], memory[i])
     net = effort - numbers[1]
@@ -282,7 +282,7 @@ def _kick_separate(
     cosine, sine = (np.cos(q), np.sin(q)) if turns else (0.0, 0.0)
     if turns:
         net = effort - (numbers[1] + numbers[2] * cosine + numbers[3] * sine)
-    for n in range(ends[_MAP], ends[_TORQUE]):
+    for n in range(ends[_EFFORT_LAW], ends[_TORQUE_LAW]):
         i = order[n]
         net += laws[i](JointState(t_s, q, qd, effort, dt_s, nan, nan, nan, volts), values[i], memory[i])
     heavy = numbers[0] + h * damping
@@ -294,7 +294,7 @@ def _kick_separate(
             inward = numbers[5] + numbers[6] * cosine + numbers[7] * sine
             load = np.sqrt(np.maximum(numbers[4] - 2.0 * rate2 * inward + (numbers[8] * rate2) ** 2, 0.0))
         largest = dry
-        for n in range(ends[_TORQUE], ends[_FRICTION]):
+        for n in range(ends[_TORQUE_LAW], ends[_FRICTION_LAW]):
             i = order[n]
             direction = -1.0 if out < -1e-9 else 1.0
             largest += laws[i](
@@ -436,7 +436,7 @@ def _kick(
         effort[j] = commanded[j]
         middle[j] = qd[j] + 0.5 * last[j] if joints > 1 else qd[j]
     for i in range(len(kinds)):
-        if kinds[i] == _MAP:
+        if kinds[i] == _EFFORT_LAW:
             j = places[i]
             state = JointState(t_s, q[j], qd[j], effort[j], dt_s, nan, nan, nan, volts)
             effort[j] = laws[i](state, values[i], memory[i])
@@ -444,7 +444,7 @@ def _kick(
     for j in range(joints):
         net[j] = effort[j] - net[j]
     for i in range(len(kinds)):
-        if kinds[i] == _TORQUE:
+        if kinds[i] == _TORQUE_LAW:
             j = places[i]
             state = JointState(t_s, q[j], qd[j], effort[j], dt_s, nan, nan, nan, volts)
             net[j] += laws[i](state, values[i], memory[i])
@@ -465,7 +465,7 @@ def _kick(
         for j in range(joints):
             largest[j] = dry[j]
         for i in range(len(kinds)):
-            if kinds[i] == _FRICTION:
+            if kinds[i] == _FRICTION_LAW:
                 j = places[i]
                 direction = -1.0 if out[j] < -1e-9 else 1.0
                 state = JointState(

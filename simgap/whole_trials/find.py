@@ -29,7 +29,7 @@ from simgap.sanity.input_pairing import other_inputs_check, pairing_check
 from simgap.search_result import SearchResult, baseline_of, extension_of, gain_between, gain_of, rms_in_noise_levels
 from simgap.whole_trials.check import check_whole_trials, confirmed
 from simgap.whole_trials.confidence_set import ConfidenceSet, confidence_set
-from simgap.whole_trials.judge import Judgement, judge
+from simgap.whole_trials.judge import JudgedModel, judge
 from simgap.whole_trials.ladder import ladder_of
 from simgap.whole_trials.policy import POLICY, Policy
 from simgap.whole_trials.score_test import Score
@@ -101,7 +101,7 @@ def _ablation(problem: Problem, search: ModelSearch, trials: Trials) -> tuple[Ri
 
 
 def _decisions(
-    search: ModelSearch, models: ConfidenceSet, judgement: Judgement, policy: Policy
+    search: ModelSearch, models: ConfidenceSet, judgement: JudgedModel, policy: Policy
 ) -> tuple[CandidateDecision, ...]:
     """Of each step on candidates: not fitted, the models of each size, those that stay in doubt, the verdict."""
     out: list[CandidateDecision] = []
@@ -162,7 +162,7 @@ def _stays(model: FittedModel, rejected: Decision, chosen: FittedModel) -> Decis
     return Decision(True, Reason.INSEPARABLE_FROM, (negation(rejected.criteria[-1]),), beside)
 
 
-def _hypotheses(search: ModelSearch, judgement: Judgement) -> tuple[Hypothesis, ...]:
+def _hypotheses(search: ModelSearch, judgement: JudgedModel) -> tuple[Hypothesis, ...]:
     """The effect that each fitted model adds to the best of the size before, best first, size by size."""
     rows: list[Hypothesis] = []
     before = search.null

@@ -24,7 +24,7 @@ _NORMAL_95 = 1.96
 
 
 @dataclass(frozen=True)
-class Judgement:
+class JudgedModel:
     """A verdict with the decisions behind it: per effect that it is named, or each reason for doubt."""
 
     verdict: Verdict
@@ -40,7 +40,7 @@ def judge(
     trials: Sequence[str],
     strange: bool,
     policy: Policy,
-) -> Judgement:
+) -> JudgedModel:
     """The verdict on the chosen model. Where the data are `strange`, nothing is sure: inputs may be another trial's."""
     chosen = models.models[0].fit
     widths = half_widths(chosen, _NORMAL_95)
@@ -90,7 +90,7 @@ def judge(
         ambiguous_groups=tuple(groups),
         statement=words,
     )
-    return Judgement(verdict, tuple(decisions), direct)
+    return JudgedModel(verdict, tuple(decisions), direct)
 
 
 def _outside(whole: Gain, named: Sequence[NamedEffect]) -> str:
@@ -104,10 +104,10 @@ def _outside(whole: Gain, named: Sequence[NamedEffect]) -> str:
 def experiment_for(candidate: Candidate, alternatives: Sequence[Candidate]) -> str:
     """The library's experiments that distinguish an effect from its alternatives, or from its usual confusables."""
     names = {a.effect.name for a in alternatives}
-    own = [c.experiment for c in candidate.effect.confusables if c.effect in names]
+    named = [c.experiment for c in candidate.effect.confusables if c.effect in names]
     theirs = [c.experiment for a in alternatives for c in a.effect.confusables if c.effect == candidate.effect.name]
     usual = [c.experiment for c in candidate.effect.confusables[:1]]
-    return "; ".join(dict.fromkeys(own + theirs or usual)) or "more trials with larger and smaller motion"
+    return "; ".join(dict.fromkeys(named + theirs or usual)) or "more trials with larger and smaller motion"
 
 
 def _same_name(a: Candidate, b: Candidate) -> bool:

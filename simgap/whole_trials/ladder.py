@@ -1,7 +1,7 @@
 """A ladder of horizons: trials cut into short pieces whose starts are free, pieces twice as long, ..., whole trials.
 
 Errors of short pieces depend nearly linearly on parameters and starts, so a fit finds its way there; whole trials can
-tell the most. Fits climb: values and starts found on one rung begin the next (multiple shooting; Bock, 1981).
+say the most. Fits climb: values and starts found on one rung begin the next (multiple shooting; Bock, 1981).
 """
 
 from __future__ import annotations

@@ -16,12 +16,12 @@ from schemas.arrays import FloatArray
 from simgap.problem import Candidate, Term, TrialSystem
 from simgap.whole_trials.fit_model import Linearisation, ModelFit, Space, clipped, solve_safely, vector_of
 
-_PROBE = 0.01  # of a strength's range
+_SMALL_SHARE_OF_RANGE = 0.01  # of a strength's range
 _COUNTS = 40  # of harmonic laws, evenly by ratio over the plausible ones
 _SPEEDS = 6
 _RESTS = 5
 _DIGITS = 6  # of a loss
-_HALVINGS, _NEIGHBOURS = 4, 2  # of the way to the nearest thresholds that were tried
+_HALVINGS, _NEAREST = 4, 2  # of the way to the nearest thresholds that were tried
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def _threshold_score(
     least, _, number = max(gains)
     best = tried[number]
     for _ in range(_HALVINGS):
-        nearby = sorted((v for v in tried if v != best), key=lambda v: _apart(candidate, v, best))[:_NEIGHBOURS]
+        nearby = sorted((v for v in tried if v != best), key=lambda v: _apart(candidate, v, best))[:_NEAREST]
         for other in nearby:
             middle = {n: 0.5 * (best[n] + other[n]) for n in best}
             tried.append(middle)
@@ -146,6 +146,6 @@ def _off_null(candidate: Candidate, given: dict[str, float], only: str | None = 
     for n in candidate.strengths if only is None else (only,):
         low, high = candidate.bounds[n]
         if n not in given and abs(values[n] - candidate.null[n]) <= 1e-12 * max(1.0, abs(candidate.null[n])):
-            step = _PROBE * (high - low)
+            step = _SMALL_SHARE_OF_RANGE * (high - low)
             values[n] = values[n] + step if values[n] + step <= high else values[n] - step
     return {n: values[n] for n in candidate.null}

@@ -25,7 +25,7 @@ from simgap.result_store import ResultStore
 from simgap.run import answer_key, search
 from simgap.whole_trials.policy import POLICY
 from tests.support.bad_inputs.gap import SAMPLES
-from tests.support.gap_decisions import contradictions
+from tests.support.gap.decisions import contradictions
 
 RUN = CliRunner()
 DAMPING = 0.004

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.support.joint_recordings import SLIDING, driven_joint
+from tests.support.gap.joint_recordings import SLIDING, driven_joint
 
 HEAVY = ("pxr", "matplotlib", "pybullet", "open3d", "coacd", "scipy", "trimesh", "scenec.compile", "simgap.find_gap")
 

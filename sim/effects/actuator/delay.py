@@ -16,7 +16,7 @@ from sim.effects.effect import IN_LOOP, Confusable, Effect, Parameter
 from sim.effects.ranges import DeclaredJoint
 
 _STEPS = 64  # remembered
-_STANDSTILL_S = 1e-12
+_NO_TIME_S = 1e-12
 _MEETING = 0.1  # of a row: how well the time is known at which an input acts
 
 
@@ -30,7 +30,7 @@ def _held_back(state: JointState, values: FloatArray, memory: FloatArray) -> Any
     for i in range(_STEPS - 1, 0, -1):
         memory[i] = memory[i - 1]
     memory[0] = state.effort
-    ago = np.minimum(values[0] / np.maximum(state.dt_s, _STANDSTILL_S), _STEPS - 1.001)
+    ago = np.minimum(values[0] / np.maximum(state.dt_s, _NO_TIME_S), _STEPS - 1.001)
     n = int(ago)
     late, later = memory[n], memory[n + 1]
     late = where(np.isnan(late), state.effort, late)

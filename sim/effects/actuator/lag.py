@@ -15,7 +15,7 @@ from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.common.series import with_columns
 from sim.effects.effect import IN_LOOP, Confusable, Effect, Parameter
 
-_STANDSTILL_S = 1e-12  # no division by none
+_NO_TIME_S = 1e-12  # no division by none
 
 
 def _map(series: Series, params: Params, where: Place) -> Series:
@@ -38,7 +38,7 @@ def _followed(t_s: FloatArray, sent: FloatArray, lag_s: float) -> FloatArray:
 
 def _low_passed(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
     """First-order answer to efforts that are held for a step: its mean over the step."""
-    steps = np.maximum(state.dt_s, _STANDSTILL_S) / np.maximum(values[0], _STANDSTILL_S)
+    steps = np.maximum(state.dt_s, _NO_TIME_S) / np.maximum(values[0], _NO_TIME_S)
     before = where(np.isnan(memory[0]), state.effort, memory[0])
     memory[0] = state.effort + (before - state.effort) * np.exp(-steps)
     return state.effort - (before - state.effort) * np.expm1(-steps) / steps

@@ -23,7 +23,7 @@ from simgap.problem import Candidate
 
 _QUANTILE = 0.95
 _AUX = "aux:"
-_FIXED = 1e-6  # half width of the bounds of a fixed value
+_PINNED = 1e-6  # half width of the bounds of a fixed value
 
 
 def ranges_of(model: MechanismModel, series: Sequence[Series], joint: int) -> JointRanges:
@@ -78,7 +78,7 @@ def _variants(candidate: Candidate, has_feedback: bool) -> tuple[Candidate, ...]
 
 
 def _fixed(candidate: Candidate, in_loop: float, variant: str) -> Candidate:
-    value, bounds = {IN_LOOP.name: in_loop}, {IN_LOOP.name: (in_loop - _FIXED, in_loop + _FIXED)}
+    value, bounds = {IN_LOOP.name: in_loop}, {IN_LOOP.name: (in_loop - _PINNED, in_loop + _PINNED)}
     return replace(
         candidate,
         null=candidate.null | value,

@@ -28,7 +28,7 @@ _FEWEST_ROWS = 16  # of a piece of a trial
 _GAP = 1.5  # median intervals; a longer one lacks a row
 _PLAIN = 4.0  # typical second differences of errors; larger ones are no plain noise
 _WILD = 6.0  # noise levels by which a single row leaves its neighbours
-_NEIGHBOURS = 2  # rows to either side that a wild row leaves
+_ROWS_AROUND = 2  # rows to either side that a wild row leaves
 
 
 @dataclass(frozen=True)
@@ -155,10 +155,10 @@ class MechanismTrials:
         noise = np.maximum(np.sqrt(np.nanmean(plain**2, axis=(0, 1)) / 6.0), 1e-3 * self.noise)
         missing = self.missing.copy()
         for i, (trial, rows) in enumerate(self._cuts):
-            if len(rows) <= 2 * _NEIGHBOURS:
+            if len(rows) <= 2 * _ROWS_AROUND:
                 continue
-            around = np.stack([errors[i, k : len(rows) - 2 * _NEIGHBOURS + k] for k in range(2 * _NEIGHBOURS + 1)])
-            middle = slice(_NEIGHBOURS, len(rows) - _NEIGHBOURS)
+            around = np.stack([errors[i, k : len(rows) - 2 * _ROWS_AROUND + k] for k in range(2 * _ROWS_AROUND + 1)])
+            middle = slice(_ROWS_AROUND, len(rows) - _ROWS_AROUND)
             wild = np.abs(errors[i, middle] - np.nanmedian(around, axis=0)) > _WILD * noise
             missing[trial, rows[middle]] |= wild
         return replace(self, noise=noise, missing=missing)

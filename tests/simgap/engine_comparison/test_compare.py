@@ -40,7 +40,7 @@ def slide(tmp_path: Path) -> Case:
 
 
 def broken(case: Case, name: str) -> Case:
-    return Case(case.measurement, case.problem, case.trials, case.joints, f"tests.support.broken_engines:{name}")
+    return Case(case.measurement, case.problem, case.trials, case.joints, f"tests.support.gap.broken_engines:{name}")
 
 
 def test_the_engines_part_of_a_constant_push_is_that_of_its_steps(slide: Case):

@@ -12,7 +12,7 @@ from simgap.find_gap import find_effects
 from simgap.inference.decision import Decision, all_of, criterion, decide, either, negation
 from simgap.recording.train_test_split import split_trials
 from tests.suites.gap.mechanism_cases import mechanism_case
-from tests.support.gap_decisions import DECIDES, PASSES, contradictions
+from tests.support.gap.decisions import DECIDES, PASSES, contradictions
 
 
 @pytest.fixture(scope="module", params=[5007, 5003], ids=["a group", "nothing"])

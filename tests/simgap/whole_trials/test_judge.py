@@ -10,7 +10,7 @@ from simgap.problem import Problem
 from simgap.search_result import gain_between
 from simgap.whole_trials.check import check_whole_trials
 from simgap.whole_trials.confidence_set import confidence_set
-from simgap.whole_trials.judge import Judgement, judge
+from simgap.whole_trials.judge import JudgedModel, judge
 from simgap.whole_trials.policy import POLICY
 from tests.simgap.whole_trials.drawn_trials import Drawn, DrawnProblem, searched
 
@@ -23,7 +23,7 @@ def judged(
     direct: dict[str, tuple[float, float]] = AGREES,
     outside: float = 0.0,
     strange: bool = False,
-) -> Judgement:
+) -> JudgedModel:
     search = searched(Drawn(truth, outside), names)
     null, chosen = search.null.fit, search.chosen.fit
     test = Drawn(truth, outside, seed=1)
@@ -34,7 +34,7 @@ def judged(
     return judge(problem, confidence_set(search, POLICY), check, (short, whole), test.trial_ids, strange, POLICY)
 
 
-def reasons(judgement: Judgement) -> set[Reason]:
+def reasons(judgement: JudgedModel) -> set[Reason]:
     return {decision.reason for _, decision in judgement.decisions if not decision.kept}
 
 

@@ -10,7 +10,7 @@ import pytest
 from schemas.gap import Place
 from simgap.kinds.mechanism.declared_model import build_mechanism
 from simgap.report.pictures.unexplained import unexplained_figure
-from tests.support.joint_recordings import SLIDING, TURNING, driven_joint
+from tests.support.gap.joint_recordings import SLIDING, TURNING, driven_joint
 from tests.support.measurements import sound
 
 

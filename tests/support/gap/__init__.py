@@ -1,0 +1,1 @@
+"""Recordings and searches of the sim gap that several tests use."""
