@@ -27,7 +27,6 @@ class Reason(StrEnum):
     NAMED = "named"
     NOT_PROMISING = "not promising"
     OUTRANKED = "outranked"
-    NOT_SINGLED_OUT = "direct estimate does not single it out"
     NOT_SIGNIFICANT = "not significant"
     TOO_SMALL = "too small"
     INTERVAL_INCLUDES_NONE = "interval includes no effect"

@@ -7,14 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from schemas.gap import Reason
-from simgap.inference.decision import Decided, Decision, criterion, decide
+from simgap.inference.decision import Decided
 from simgap.inference.fit import Fit, is_twin
-from simgap.inference.losses import Comparison, affected_trials, compare, holm_adjusted, paired_p_where_affected
+from simgap.inference.losses import Comparison, compare, holm_adjusted
 from simgap.problem import Candidate, DirectEstimate
 
 ALPHA = 0.05  # chance of one false name per round; the direct route and the test trials must agree besides
-_SINGLED_OUT = 0.5  # of the loss that the direct route leaves with the next best candidate
 _LEAST_GAIN = 0.04  # minimum gain of a named effect, share of the loss (half of it of the error) or of the noise
 # Minimum gain of effects that a direct estimate confirms: beside other causes they may hardly lower the loss.
 _CONFIRMED_LEAST_GAIN = 0.01
@@ -56,35 +54,10 @@ class Screening:
 
 
 def ranked_screening(tried: Sequence[CandidateFit]) -> Screening:
-    """Fits of all candidates on one base, best first, with Holm's correction for their number.
-
-    Three or four trials that reach a threshold cannot give a p-value below 0.01. A threshold that the direct estimate
-    singles out was chosen by other data than those of its test, so it is not corrected.
-    """
+    """Fits of all candidates on one base, best first, with Holm's correction for their number."""
     ordered = sorted(tried, key=lambda t: (-t.comparison.gain, t.candidate.key))
-    p = [float(v) for v in holm_adjusted([t.comparison.p_value for t in ordered])]
-    for k, t in enumerate(ordered):
-        if t.candidate.extra_starts and singled_out(t, ordered).kept:
-            p[k] = t.comparison.p_value
-    return Screening(tuple(ordered), tuple(p))
-
-
-def singled_out(candidate_fit: CandidateFit, tried: Sequence[CandidateFit]) -> Decision:
-    """Kept if the direct loss of the trials that a candidate affects is far below that of any other candidate.
-
-    Most candidates change next to nothing: the median of their losses is the loss without any of them.
-    """
-    other_losses = [
-        t.direct.held_out
-        for t in tried
-        if t is not candidate_fit and t.direct is not None and t.direct.held_out is not None
-    ]
-    direct = candidate_fit.direct
-    if direct is None or direct.held_out is None or not other_losses:
-        return decide([(Reason.NO_DIRECT_ESTIMATE, criterion("direct losses to compare", 0, ">", 0))])
-    changed = affected_trials(np.median(other_losses, axis=0), direct.held_out)
-    least = _SINGLED_OUT * min(losses[changed].sum() for losses in other_losses)
-    return decide([(Reason.NOT_SINGLED_OUT, criterion("direct loss", direct.held_out[changed].sum(), "<", least))])
+    p_adjusted = holm_adjusted([t.comparison.p_value for t in ordered])
+    return Screening(tuple(ordered), tuple(float(p) for p in p_adjusted))
 
 
 def direct_held_out_loss(candidate_fit: CandidateFit) -> float:
@@ -96,19 +69,12 @@ def direct_held_out_loss(candidate_fit: CandidateFit) -> float:
 def candidate_fit_on(base: Fit, extended: Fit, direct: DirectEstimate | None) -> CandidateFit:
     """The last term of `extended` as a candidate on top of `base`; both fitted to errors of the same trials."""
     comparison = compare(base.held_out, extended.held_out)
-    if extended.free[-1].extra_starts:
-        comparison = replace(comparison, p_value=paired_p_where_affected(base.held_out, extended.held_out))
     comparison = replace(comparison, p_value=combined_p_value(comparison, extended))
     return CandidateFit(extended.free[-1], extended, comparison, direct, _delta_bic(base, extended))
 
 
 def combined_p_value(comparison: Comparison, extended: Fit) -> float:
-    """p-value of "no effect" from held-out losses and from the strength: the smaller of the two, times two.
-
-    Thresholds have the test of losses only.
-    """
-    if extended.free[-1].extra_starts:
-        return comparison.p_value
+    """p-value of "no effect" from held-out losses and from the strength: the smaller of the two, times two."""
     return min(1.0, 2.0 * min(comparison.p_value, extended.p_value))
 
 

@@ -91,9 +91,7 @@ class Fit:
         candidate = self.free[-1]
         term, widths, n = self.model[-1], self._trial_half_widths[candidate.key], len(self.losses)
         names = [name for name in candidate.strengths if widths[name] > 0.0]
-        if (
-            not names or n < 2 or candidate.extra_starts
-        ):  # A threshold is sharp wherever it lies: that does not make it real.
+        if not names or n < 2:
             return 1.0
         most = float(stats.t.ppf(0.975, n - 1))
         t = max(abs(term.values[name] - candidate.null[name]) / widths[name] * most for name in names)

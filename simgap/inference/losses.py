@@ -17,8 +17,8 @@ from schemas.gap import Interval
 from simgap.inference.robust_least_squares import mean_loss
 
 _DRAWS = 2000
-LITTLE = 0.1  # of the largest change of a trial's loss, as its logarithm: other parameters move along a little
-LARGEST_LOG_CHANGE = 2.0  # change of a trial's loss, as its logarithm, beyond which one that changes more says no more
+_LITTLE = 0.1  # of the largest change of a trial's loss, as its logarithm: other parameters move along a little
+_LARGEST_LOG_CHANGE = 2.0  # change of a trial's loss, as its logarithm, beyond which one that changes more says no more
 _FEWEST_CHANGED = 3
 _TINY = 1e-12
 
@@ -68,15 +68,10 @@ def paired_p(before: FloatArray, after: FloatArray) -> float:
     return float(np.asarray(stats.ttest_1samp(ratios, 0.0, alternative="greater")[1]))
 
 
-def log_loss_change(before: FloatArray, after: FloatArray) -> FloatArray:
-    """(n,) how much the losses of trials differ, as logarithms, for better or worse."""
-    return np.abs(np.log((before + _TINY) / (after + _TINY)))
-
-
-def affected_trials(before: FloatArray, after: FloatArray) -> BoolArray:
+def _affected_trials(before: FloatArray, after: FloatArray) -> BoolArray:
     """(n,) trials whose losses differ by no small part of the largest difference: those that meet a threshold."""
-    size = log_loss_change(before, after)
-    return size > LITTLE * min(float(size.max()), LARGEST_LOG_CHANGE)
+    size = np.abs(np.log((before + _TINY) / (after + _TINY)))
+    return size > _LITTLE * min(float(size.max()), _LARGEST_LOG_CHANGE)
 
 
 def paired_p_where_affected(before: FloatArray, after: FloatArray) -> float:
@@ -85,7 +80,7 @@ def paired_p_where_affected(before: FloatArray, after: FloatArray) -> float:
     Trials that stay away from a threshold carry no information on it, and their number would hide its effect on the
     others. The choice of trials does not depend on which model does better in them.
     """
-    changed = affected_trials(before, after)
+    changed = _affected_trials(before, after)
     return paired_p(before[changed], after[changed]) if changed.sum() >= _FEWEST_CHANGED else 1.0
 
 

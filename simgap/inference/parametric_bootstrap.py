@@ -14,7 +14,6 @@ import numpy as np
 from scipy import stats
 
 from simgap.inference.fit import extend, fit, is_twin, robust_scale, rollout_errors
-from simgap.inference.losses import compare
 from simgap.problem import Model, Problem
 
 _REPEATS = 3
@@ -23,14 +22,10 @@ _DESCENT_STEPS = 4  # of a descent that begins where the truth is
 
 @dataclass(frozen=True)
 class MethodBias:
-    """Per parameter: half the width of what 95 % of repeats without the effect show, by roll-outs and directly.
-
-    gain   share of the loss that such repeats lose: for thresholds, which may lie anywhere where nothing meets them.
-    """
+    """Per parameter: half the width of what 95 % of repeats without the effect show, by roll-outs and directly."""
 
     fitted: Mapping[str, float] = field(default_factory=dict)
     direct: Mapping[str, float] = field(default_factory=dict)
-    gain: float = 0.0
 
 
 def estimate_method_bias(problem: Problem, trials: Sequence[str], base: Model, model: Model) -> MethodBias:
@@ -45,7 +40,6 @@ def estimate_method_bias(problem: Problem, trials: Sequence[str], base: Model, m
     none |= next((t.values for t in base if is_twin(t.candidate, term.candidate)), {})
     fitted: list[dict[str, float]] = []
     direct: list[dict[str, float]] = []
-    gains: list[dict[str, float]] = []
     for seed in range(_REPEATS):
         again = problem.bootstrap_sample(base, seed)
         if again is None:
@@ -61,11 +55,8 @@ def estimate_method_bias(problem: Problem, trials: Sequence[str], base: Model, m
         ]
         extended = extend(errors, null, term.candidate, starts, _DESCENT_STEPS)
         fitted.append(extended.model[-1].values)
-        gains.append({"gain": max(compare(null.held_out, extended.held_out).gain, 0.0)})
         if direct_estimate is not None:
             direct.append(direct_estimate.values)
-    if term.candidate.extra_starts:
-        return MethodBias(gain=prediction_half_widths({"gain": 0.0}, gains)["gain"])
     return MethodBias(prediction_half_widths(none, fitted), prediction_half_widths(none, direct))
 
 

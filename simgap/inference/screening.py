@@ -88,16 +88,6 @@ def is_finalist(candidate_fit: CandidateFit, rank_by_gain: int, rank_by_direct_l
 
 
 def _final_starts(candidate_fit: CandidateFit) -> list[dict[str, float]]:
-    """Where a fit to the end begins: the quick fit and the direct estimate, of a threshold also halfway to none.
-
-    No descent leads far along a threshold, and a law that is nearly right needs a smaller value on longer roll-outs.
-    """
-    quick, none = candidate_fit.fit.model[-1].values, candidate_fit.candidate.null
-    starts = (
-        [quick]
-        if candidate_fit.direct is None or candidate_fit.direct.values == quick
-        else [quick, candidate_fit.direct.values]
-    )
-    if candidate_fit.candidate.extra_starts:
-        starts.append({**quick, **{n: 0.5 * (none[n] + quick[n]) for n in candidate_fit.candidate.strengths}})
-    return starts
+    """Where a fit to the end begins: the quick fit and the direct estimate."""
+    quick, direct = candidate_fit.fit.model[-1].values, candidate_fit.direct
+    return [quick] if direct is None or direct.values == quick else [quick, direct.values]

@@ -28,7 +28,6 @@ from simgap.inference.intervals import (
     distance_to_alternatives,
     parameters,
     symmetric,
-    threshold_excess,
     wider,
 )
 from simgap.inference.losses import Comparison
@@ -145,7 +144,7 @@ def _final_evidence(
     if direct is not None and agreement.kept:
         agreement = all_of([agreement, exceeds_method_bias(term, direct, accepted.method_bias)])
     sides = wider(
-        wider(symmetric(widths), symmetric(threshold_excess(term))),
+        symmetric(widths),
         distance_to_alternatives(term, widths, direct, [[r for r, _ in each] for each in mimics]),
     )
     return FinalEvidence(term, sides, (*mimics[number], *preferred), direct, agreement)

@@ -59,8 +59,9 @@ def confirmed(system: TrialSystem, search: ModelSearch, policy: Policy) -> Model
     """
     fits = [starts_on(system, model.fit.model, policy) for model in search.sizes]
     for size, (before, after) in enumerate(pairwise(fits)):
-        lost = float((after.losses - before.losses).sum() / after.rows.sum())
-        test = criterion("loss per row that test trials gain with it", lost, "<=", policy.least_lead)
+        # Losses are logarithms: of the mean over trials of one plus the mean square error.
+        ratio = float(np.exp(0.5 * (after.losses - before.losses).sum() / after.rows.sum()))
+        test = criterion("ratio of test losses, whole trials", ratio, "<", np.exp(0.5 * policy.least_lead))
         if not test.holds:
             return search.up_to(size, decide([(Reason.TEST_TRIALS_WORSE, test)]))
     return search

@@ -22,7 +22,7 @@ class Policy:
     largest_excess    excess of a trial beyond which it counts no more.
     least_share       share of the null model's loss per row that an effect must take off: what a law lacks shows beside
                       a large effect, not beside a small one.
-    most_effects      effects of one model; three causes at once are the most that the suite asks for.
+    most_effects      effects of one model; three causes at once are the most that the suite hides.
     beam              models that the next step extends.
     full_fits         candidates per extended model that are fitted to the end, best score first.
     promising         share of the best score that a candidate needs to be fitted to the end; the `fewest` best of each

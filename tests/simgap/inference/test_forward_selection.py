@@ -97,27 +97,6 @@ def test_a_trial_of_one_row_is_one_cluster():
     assert [c.tolist() for c in resampling_units(rows)] == [[k, k] for k in range(7)]
 
 
-def test_a_direct_estimate_without_another_singles_nothing_out():
-    columns = _Columns(2, alike=0.0)
-    null = fit(columns.errors, ())
-    affected_trials, other = (
-        candidate_fit_on(null, extend(columns.errors, null, _cause(k), [{"torque_Nm": 0.0}]), None) for k in range(2)
-    )
-    said = DirectEstimate({}, {}, 0.01, TRIALS, np.full(TRIALS, 0.1))
-    affected_trials = replace(
-        affected_trials,
-        candidate=replace(affected_trials.candidate, extra_starts=({"torque_Nm": 1.0},)),
-        direct=said,
-        comparison=replace(affected_trials.comparison, p_value=0.03),
-    )
-    combined_p_value = replace(other, comparison=replace(other.comparison, p_value=0.5))
-    crowd = [
-        replace(combined_p_value, candidate=replace(other.candidate, where=Place(joint=f"x{k}"))) for k in range(20)
-    ]
-    this = ranked_screening([affected_trials, *crowd])
-    assert this.p_adjusted[this.fits.index(affected_trials)] > 0.05
-
-
 @pytest.mark.parametrize(("count", "test"), [(2, 1), (3, 1), (4, 2), (5, 2), (10, 3), (60, 18)])
 def test_two_trials_judge_wherever_two_are_left_to_teach(count: int, test: int):
     spec = MeasurementSpec.model_construct(split=None)

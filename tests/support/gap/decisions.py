@@ -16,7 +16,6 @@ DECIDES = {
         "<|>=",
     ),
     Reason.OUTRANKED: ("rank by (held-out gain|direct loss|held-out loss)|models that were fitted", "<=?"),
-    Reason.NOT_SINGLED_OUT: ("direct loss", "<"),
     Reason.NOT_SIGNIFICANT: ("(adjusted )?p-value|p of the direct losses", "<"),
     Reason.TOO_SMALL: (
         "share of the loss removed|gain of the direct losses|held-out loss per row that it takes off",
@@ -26,8 +25,8 @@ DECIDES = {
     Reason.BOUND_REACHED: ("half width of .*", ">"),
     Reason.NOT_DETERMINED: ("half width of .*", ">"),
     Reason.MAKES_VANISH: ("distance of .* of .*@.* from no effect", ">="),
-    Reason.TEST_TRIALS_WORSE: ("ratio of test losses, .*|test loss with it", "<"),
-    Reason.METHOD_BIAS: ("distance of .* from no effect|held-out gain", ">"),
+    Reason.TEST_TRIALS_WORSE: ("ratio of test losses, .*", "<"),
+    Reason.METHOD_BIAS: ("distance of .* from no effect", ">"),
     Reason.ACCEPTED_AFTER: ("rank among significant candidates", "<="),
     Reason.FITS_WORSE_THAN: ("p of being no worse|p-value of no better held-out loss", ">=?"),
     Reason.EXPLAINS_LESS_THAN: ("held-out gain", ">=?"),

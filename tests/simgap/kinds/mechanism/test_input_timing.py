@@ -153,8 +153,8 @@ def test_stamps_without_a_beat_are_left_alone(t_s: list[float]):
     np.testing.assert_array_equal(with_timing(trial, "stamps").command, trial.command)
 
 
-def test_beats_that_cut_windows_differently_are_compared_too():
-    """At 500 Hz rows are thinned by the median step, which jitter moves across a whole number of rows."""
+def test_beats_that_cut_trials_differently_are_compared_too():
+    """At 500 Hz rows are thinned by the median step, which jitter moves across a whole number: pieces differ."""
     rng = np.random.default_rng(2)
     spec = _servo(True, True).measurement.spec
     trials = []
