@@ -138,7 +138,7 @@ def _makers(where: Where, supplied: bool) -> dict[str, tuple[Make, int]]:
         "sensor.clock_skew": True,
     }
     causes = {c.name: c for c in LIBRARY}
-    one_sided = ("actuator.delay", "actuator.lag", "actuator.deadband", "sensor.latency", "sensor.lag")
+    one_sided = ("actuator.lag", "actuator.deadband", "sensor.lag")  # a delay may be negative: timing is a nuisance
 
     def of(name: str) -> Make:
         def make(believed: Plant, x: Values) -> Hidden:
