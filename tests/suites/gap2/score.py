@@ -168,6 +168,11 @@ def _targets(cases: Sequence[Scored]) -> list[str]:
         ("sure wrong names, outside and twin", "<= 2 %", _rate(of("twin", *_OUTSIDE), wrong)),
         ("sure wrong names, one or two effects", "(beside)", _rate(of("single", "two"), wrong)),
         ("false names on controls", "<= 5 %", _rate(of("control"), lambda c: c.category is Category.FALSE_NAME)),
+        (
+            "controls called unexplained or doubted",
+            "(beside)",
+            _rate(of("control"), lambda c: c.category in (Category.UNEXPLAINED, Category.DOUBTED)),
+        ),
         ("named or rightly grouped, miss of 6 noise levels", ">= 85 %", _rate(sized(GROSS, float("inf")), right)),
         ("named or rightly grouped, miss of 1.3 noise levels", ">= 70 %", _rate(sized(LARGE, GROSS), right)),
         ("named or rightly grouped, smaller", "(beside)", _rate(sized(0.0, LARGE), right)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,8 +14,8 @@ from simgap.recording.read import read
 from tests.suites.gap2.generate import causes
 from tests.suites.gap2.generate.cases import ROUND, CaseFiles, family_of, mechanism_case, write_case
 from tests.suites.gap2.generate.causes import Where, library_cause
-from tests.suites.gap2.generate.plant import Hidden, observe
-from tests.suites.gap2.generate.power import LEVELS, miss, strength_for
+from tests.suites.gap2.generate.plant import Hidden, Trial, observe
+from tests.suites.gap2.generate.power import LEVELS, Readings, miss, strength_for
 from tests.suites.gap2.generate.rivals import SAME, rivals_of
 from tests.suites.gap2.generate.scenes import draw_plant, draw_recording, rows_of, sizes_of
 from tests.suites.gap2.generate.truth import FAMILIES
@@ -69,17 +70,18 @@ def test_restarted_true_model_misses_nothing() -> None:
     assert miss(plant, readings, recording.trials, recording.sigma, 0.2, recording.step_s) < 1e-3
 
 
-def test_delay_and_latency_of_a_slide_are_equal_and_a_spring_is_neither() -> None:
-    plant, recording, where, cause = drawn("slide_effort", "actuator.delay", seed=6)
+def test_tilt_of_a_pendulum_is_a_zero_error_of_its_sensor_and_no_spring() -> None:
+    plant, recording, where, cause = drawn("pendulum", "joint.axis_tilt")
     recording = replace(recording, trials=recording.trials[:3])
 
-    def readings_at(share: float, trials):
-        return observe(plant, cause.hidden(0.01 * share, where), trials, recording.step_s)
+    def readings_at(share: float, trials: Sequence[Trial]) -> Readings:
+        return observe(plant, cause.hidden(0.05 * share, where), trials, recording.step_s)
 
     visible, rivals = rivals_of((cause.name,), where, recording, readings_at)
     assert visible > 100.0
-    assert "sensor.latency" in [r.name for r in rivals if r.noncentrality < SAME]
-    assert "joint.spring" not in [r.name for r in rivals if r.noncentrality < SAME]
+    equal = [r.name for r in rivals if r.noncentrality < SAME]
+    assert "sensor.bias" in equal
+    assert "joint.spring" not in equal
 
 
 def test_same_number_gives_the_same_bytes(hiding: CaseFiles) -> None:

@@ -195,7 +195,7 @@ LIBRARY: tuple[Cause, ...] = (
     Cause(
         "joint.gravity_load",
         _UPRIGHT,
-        lambda s, w: _set(w, GRAVITY_FACTOR=_share(s, w)),
+        lambda s, w: _set(w, GRAVITY_FACTOR=_share(s, w) * w.believed(Number.GRAVITY_FACTOR)),
         lambda s, w: ("factor", _share(s, w)),
         most=0.6,
         least=_TRUSTED,
@@ -218,7 +218,7 @@ LIBRARY: tuple[Cause, ...] = (
     Cause(
         "actuator.gain",
         DRIVEN,
-        lambda s, w: _set(w, GAIN=_share(s, w)),
+        lambda s, w: _set(w, GAIN=_share(s, w) * w.believed(Number.GAIN)),
         lambda s, w: ("gain", _share(s, w)),
         most=0.6,
         least=_TRUSTED,

@@ -14,7 +14,7 @@ FloatArray = np.ndarray
 GRAVITY = 9.81  # m/s2
 DRIVES = {"none": kernel.FREE, "effort": kernel.EFFORT, "position_pd": kernel.POSITION}
 _NANOSECONDS = 9  # decimals to which instants are merged
-_INSTANT_S = 5e-5  # time constants below are none
+_INSTANT_S = 2e-4  # filters that are faster are delays
 
 
 @dataclass(frozen=True)
@@ -59,22 +59,28 @@ class Plant:
         return A, W * (GRAVITY if self.upright else 0.0)
 
 
-def _settle(numbers: FloatArray) -> float:
-    """The step (s) that the fastest part of a joint allows; what is faster than any step of ours is made instant."""
-    for which in (Number.LAG, Number.SENSOR_LAG):
-        if numbers[which] < _INSTANT_S:
-            numbers[which] = 0.0
-    for which in (Number.FILTER_RATE, Number.SENSOR_RATE):
-        if numbers[which] * _INSTANT_S > 1.0:
-            numbers[which] = 0.0
+def _settle(numbers: FloatArray) -> tuple[float, float, float]:
+    """(step, delay, latency) in s: the step that the fastest part of a joint allows, and filters too fast for any step.
+
+    A filter that is faster than `_INSTANT_S` is late by its group delay and does nothing else; it leaves `numbers`.
+    """
+    late, times = [0.0, 0.0], []
+    filters = ((0, Number.LAG, Number.FILTER_RATE, Number.FILTER_DAMPING),)
+    filters += ((1, Number.SENSOR_LAG, Number.SENSOR_RATE, Number.SENSOR_DAMPING),)
+    for side, lag, rate, damping in filters:
+        if 0.0 < numbers[lag] < _INSTANT_S:
+            late[side] += numbers[lag]
+            numbers[lag] = 0.0
+        if numbers[rate] * _INSTANT_S > 1.0:
+            late[side] += 2.0 * numbers[damping] / numbers[rate]
+            numbers[rate] = 0.0
+        times += [numbers[lag], 1.0 / numbers[rate] if numbers[rate] else 0.0]
     motor, stiffest = numbers[Number.MOTOR_INERTIA], numbers[Number.MOTOR_INERTIA] / (2.0 * _INSTANT_S) ** 2
     if numbers[Number.GEAR_STIFFNESS] > stiffest:
         numbers[Number.GEAR_STIFFNESS] = stiffest
         numbers[Number.GEAR_LOSS] = min(numbers[Number.GEAR_LOSS], np.sqrt(stiffest * motor))
-    times = [numbers[Number.LAG], numbers[Number.SENSOR_LAG]]
-    times += [1.0 / numbers[n] if numbers[n] else 0.0 for n in (Number.FILTER_RATE, Number.SENSOR_RATE)]
     times.append(0.5 * np.sqrt(motor / numbers[Number.GEAR_STIFFNESS]) if motor else 0.0)
-    return min((float(t) for t in times if t > 0.0), default=np.inf)
+    return min((float(t) for t in times if t > 0.0), default=np.inf), float(late[0]), float(late[1])
 
 
 def believed_numbers(joints: int) -> FloatArray:
@@ -159,14 +165,15 @@ def read_segments(
     numbers = plant.numbers.copy()
     for which, value in hidden.numbers.items():
         numbers[joint if which != Number.TILT else 0, which] = value
-    step_s = min(step_s, _settle(numbers[joint]))
+    fastest_s, delay_s, latency_s = _settle(numbers[joint])
+    step_s, delay_s, latency_s = min(step_s, fastest_s), hidden.delay_s + delay_s, hidden.latency_s + latency_s
     A, W = plant.couplings()
     breaks, inputs, supply, reads, early = [], [], [], [], []
     for s in segments:
         trial = trials[s.trial]
         stamps = trial.stamps_s / hidden.clock
-        when = stamps[s.first : s.last] - hidden.latency_s
-        switch = stamps + hidden.delay_s
+        when = stamps[s.first : s.last] - latency_s
+        switch = stamps + delay_s
         inside = switch[(switch > s.from_s) & (switch <= when[-1] + 1e-9)]
         t = np.unique(np.round(np.concatenate([[s.from_s], inside, when[when > s.from_s]]), _NANOSECONDS))
         row = np.maximum(np.searchsorted(np.round(switch, _NANOSECONDS), t, side="right") - 1, 0)
@@ -183,7 +190,7 @@ def read_segments(
         np.array([hidden.payload * trials[s.trial].load for s in segments]),
         kernel.EULER if hidden.step_s else kernel.RUNGE_KUTTA, hidden.step_s or step_s,
     )  # fmt: skip
-    filtered = bool({Number.SENSOR_LAG, Number.SENSOR_RATE} & {w for w, v in hidden.numbers.items() if v > 0.0})
+    filtered = numbers[joint, Number.SENSOR_LAG] > 0.0 or numbers[joint, Number.SENSOR_RATE] > 0.0
     out = []
     for first, rows, before in zip(offsets[:-1], reads, early, strict=True):
         state = states[first + rows]

@@ -25,11 +25,12 @@ TOLERANCE = 0.02  # of believed numbers, one standard deviation: controls are up
 _TRIALS, _MOTION_S = 3, 6.0  # so many trials, and so long a motion (s), those that a cause moves most
 _TIMING = 0.05  # of a row, one standard deviation: when an input meets the readings
 _SEGMENT_S = 2.0
-_ROUNDS = 6
+_ROUNDS = 8
 _PROMISING = 0.7  # share of the signal that a rival must explain in the linear screening
 _MOST_REFITTED = 6
 _FIRST_MISS, _LEAST_SHARE = 5.0, 1e-3  # noise levels of a whole trial at the first share of the strength
-_GROWTH, _LEAST_GROWTH = 4.0, 1.3  # of that share from refit to refit
+_GROWTH = 3.0  # of that share from refit to refit
+_LOST = 1e4  # noncentrality of belief beyond which its refit is followed no further
 _STEP = 1e-3
 _DIVERGED = 1e12  # noise levels per unit
 _COARSER = 3.0  # steps than the truth's
@@ -73,34 +74,40 @@ def rivals_of(
     first = float(np.clip(_FIRST_MISS / max(np.sqrt(strong[some].sum() / rows), 1e-9), _LEAST_SHARE, 1.0))
 
     def at(share: float) -> _Refit:
-        return _Refit(where, trials, readings_at(share, trials), recording)
+        return _Refit(where, trials, readings_at(share, trials), recording, all_trials, share)
 
     believed: Make = lambda plant, x: Hidden(where.joint)  # noqa: E731
-    refit = at(first)
-    null = refit.best(believed, 0)
-    while first < 1.0 and null.cost * all_trials < CLOSE:  # within tolerance of believed numbers, or below a threshold
-        grown = min(_GROWTH, 1.0 / first)
-        first *= grown
-        before, refit = refit, at(first)
-        null = refit.best(believed, 0, before.carried(null, refit, grown))
+    count = int(np.ceil(np.log(1.0 / first) / np.log(_GROWTH) - 1e-9)) + 1
+    stages = [at(min(1.0, first * _GROWTH**k)) for k in range(count)]
+    believed_fits = [stages[0].best(believed, 0)]
+    shown = 0  # the first stage at which the cause is beyond the tolerance of believed numbers, and above thresholds
+    for before, now in pairwise(stages):
+        if believed_fits[-1].cost > _LOST:
+            break
+        grown = now.share / before.share
+        believed_fits.append(now.best(believed, 0, before.carried(believed_fits[-1], now, grown)))
+        shown = shown if believed_fits[shown].cost > CLOSE else len(believed_fits) - 1
     makers = _makers(where, any(np.ptp(t.supply) > 0.0 for t in trials))
-    promising = refit.screened({n: m for n, m in makers.items() if n not in truth}, null)
+    promising = stages[shown].screened({n: m for n, m in makers.items() if n not in truth}, believed_fits[shown])
 
-    def followed(make: Make, last: _Fit) -> float:
-        share, before, count, wished = first, refit, len(last.x), _GROWTH
-        while share < 1.0 and last.cost * all_trials < CLOSE:
-            grown = min(wished, 1.0 / share)
-            now = at(share * grown)
-            fit = now.best(make, count, before.carried(last, now, grown))
-            if fit.cost * all_trials > CLOSE and fit.cost > 2.0 * grown**2 * last.cost and grown > _LEAST_GROWTH:
-                wished = float(np.sqrt(grown))  # lost its way, rather than separable
-                continue
-            share, before, last = share * grown, now, fit
-        return last.cost * all_trials
+    def followed(make: Make, count: int) -> float:
+        last = stages[0].best(make, count)
+        for k in range(1, len(stages)):
+            grown = stages[k].share / stages[k - 1].share
+            fit = stages[k].best(make, count, stages[k - 1].carried(last, stages[k], grown))
+            null = believed_fits[min(k, len(believed_fits) - 1)]
+            if k < len(believed_fits) and fit.cost > 0.5 * null.cost:  # every rival holds the believed model
+                fit = min(
+                    (fit, stages[k].best(make, count, (np.zeros(count), null.shares, list(null.starts)))),
+                    key=lambda f: f.cost,
+                )
+            last = fit
+            if last.cost > CLOSE:
+                break
+        return last.cost
 
-    visible = followed(believed, null)  # every rival holds the believed model
-    rivals = [Rival(name, min(visible, followed(makers[name][0], refit.best(*makers[name])))) for name in promising]
-    return visible, tuple(sorted(rivals, key=lambda r: r.noncentrality))
+    rivals = [Rival(name, min(believed_fits[-1].cost, followed(*makers[name]))) for name in promising]
+    return believed_fits[-1].cost, tuple(sorted(rivals, key=lambda r: r.noncentrality))
 
 
 def _makers(where: Where, supplied: bool) -> dict[str, tuple[Make, int]]:
@@ -131,7 +138,7 @@ def _makers(where: Where, supplied: bool) -> dict[str, tuple[Make, int]]:
         "sensor.clock_skew": True,
     }
     causes = {c.name: c for c in LIBRARY}
-    one_sided = ("actuator.delay", "actuator.lag", "actuator.deadband", "sensor.latency", "sensor.lag")
+    one_sided = ("actuator.lag", "actuator.deadband", "sensor.lag")  # a delay may be negative: timing is a nuisance
 
     def of(name: str) -> Make:
         def make(believed: Plant, x: Values) -> Hidden:
@@ -172,8 +179,18 @@ class _Fit:
 class _Refit:
     """Refits of causes to the noise-free readings of a few trials, in segments whose starts are free."""
 
-    def __init__(self, where: Where, trials: Sequence[Trial], readings: Readings, recording: Recording) -> None:
+    def __init__(
+        self,
+        where: Where,
+        trials: Sequence[Trial],
+        readings: Readings,
+        recording: Recording,
+        weight: float,
+        share: float,
+    ) -> None:
         self.where, self.trials, self.recording = where, trials, recording
+        self.share = share
+        self.sigma = recording.sigma / np.sqrt(weight)  # these trials stand for all
         self.parts: list[tuple[int, int, int]] = []
         self.starts: list[FloatArray] = []
         span = max(_SEGMENT_S, 2.0 * recording.period_s)
@@ -228,7 +245,7 @@ class _Refit:
     def errors(self, make: Make, x: Values, shares: Values, starts: Sequence[FloatArray]) -> list[FloatArray]:
         """Prediction minus truth by segment, raveled, in noise levels."""
         predicted = self.readings(make, x, shares, starts)
-        return [((p - t) / self.recording.sigma).ravel() for p, t in zip(predicted, self.truth, strict=True)]
+        return [((p - t) / self.sigma).ravel() for p, t in zip(predicted, self.truth, strict=True)]
 
     def jacobian(
         self, make: Make, x: Values, shares: Values, starts: Sequence[FloatArray], at: Sequence[FloatArray]
@@ -237,21 +254,22 @@ class _Refit:
         shared: list[list[FloatArray]] = [[] for _ in self.parts]
         by_start: list[list[FloatArray]] = [[] for _ in self.parts]
 
-        def add(to: list[list[FloatArray]], moved: Sequence[FloatArray], step: float) -> None:
-            for columns, a, b in zip(to, moved, at, strict=True):
-                columns.append((a - b) / step)
+        def add(to: list[list[FloatArray]], ahead: Sequence[FloatArray], behind: Sequence[FloatArray]) -> None:
+            for columns, a, b in zip(to, ahead, behind, strict=True):
+                columns.append((a - b) / (2.0 * _STEP))
 
-        for k in range(len(x)):
-            step = _STEP * (np.arange(len(x)) == k)
-            add(shared, self.errors(make, x + step, shares, starts), _STEP)
-        for k in range(len(shares)):
-            step = _STEP * (np.arange(len(shares)) == k)
-            add(shared, self.errors(make, x, shares + step, starts), _STEP)
+        # Central: one-sided differences err by more than the priors weigh where two values undo one another.
+        for step in _STEP * np.eye(len(x)):
+            add(shared, self.errors(make, x + step, shares, starts), self.errors(make, x - step, shares, starts))
+        for step in _STEP * np.eye(len(shares)):
+            add(shared, self.errors(make, x, shares + step, starts), self.errors(make, x, shares - step, starts))
         size = np.concatenate([np.full(self.where.plant.joints, self.where.sizes.reach)] * 2)
         size[self.where.plant.joints :] = self.where.sizes.speed
         for k in range(len(size)):
             move = 1e-4 * size * (np.arange(len(size)) == k)
-            add(by_start, self.errors(make, x, shares, [s + move for s in starts]), 1e-4)
+            moved = self.errors(make, x, shares, [s + move for s in starts])
+            for columns, a, b in zip(by_start, moved, at, strict=True):
+                columns.append((a - b) / 1e-4)
         return shared, by_start
 
     def carried(self, fit: _Fit, to: _Refit, grown: float) -> tuple[Values, Values, list[FloatArray]]:
@@ -273,7 +291,7 @@ class _Refit:
             ):
                 break
             step, moves = gauss_newton(shared, by_start, at, shares, count)
-            for fraction in (1.0, 0.3, 0.05):
+            for fraction in (1.0, 0.3, 0.1, 0.03):
                 x_new, shares_new = x + fraction * step[:count], shares + fraction * step[count:]
                 starts_new = [s + fraction * size * m for s, m in zip(starts, moves, strict=True)]
                 at_new = self.errors(make, x_new, shares_new, starts_new)
@@ -284,7 +302,7 @@ class _Refit:
                 break
             gained = cost - cost_new
             x, shares, starts, at, cost = x_new, shares_new, starts_new, at_new, cost_new
-            if gained < 0.02 * cost or cost < 0.05 * SAME:
+            if gained < 0.003 * cost or cost < 0.1 * SAME:
                 break
         return _Fit(x, shares, starts, at, cost)
 
@@ -299,10 +317,10 @@ class _Refit:
         explained = {}
         for name, (make, count) in makers.items():
             columns: list[list[FloatArray]] = [[] for _ in self.parts]
-            for k in range(count):
-                x = _STEP * (np.arange(count) == k)
-                for part, a, b in zip(columns, self.errors(make, x, shares, starts), at, strict=True):
-                    part.append((a - b) / _STEP)
+            for step in _STEP * np.eye(count):
+                ahead, behind = self.errors(make, step, shares, starts), self.errors(make, -step, shares, starts)
+                for part, a, b in zip(columns, ahead, behind, strict=True):
+                    part.append((a - b) / (2.0 * _STEP))
             directions = np.stack([_without(by_start, [c[k] for c in columns], basis) for k in range(count)], axis=1)
             if not np.isfinite(directions).all():
                 continue
