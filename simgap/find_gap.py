@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from schemas.arrays import FloatArray
 from schemas.gap import (
     CandidateDecision,
     ConventionCheck,
@@ -20,12 +19,12 @@ from schemas.gap import (
     Rival,
 )
 from simgap.baselines.all_effects import all_effects_losses
-from simgap.baselines.residual_regression import corrected
+from simgap.baselines.black_box import black_box_losses
 from simgap.inference.agreement import agrees
 from simgap.inference.candidate_fit import Map
 from simgap.inference.decision import Decided, SearchDecision
 from simgap.inference.forward_selection import Selection, select
-from simgap.inference.losses import compare, trial_losses
+from simgap.inference.losses import compare
 from simgap.inference.verdict import judge
 from simgap.problem import Model, Problem
 from simgap.recording.train_test_split import Trials
@@ -52,10 +51,17 @@ def find_effects(
     """
     if problem.whole_trials(trials.train) is not None:
         return find_on_whole_trials(
-            problem, trials, measurement=measurement, horizon_s=horizon_s, checks=checks, localisation=localisation
+            problem,
+            trials,
+            measurement=measurement,
+            horizon_s=horizon_s,
+            checks=checks,
+            localisation=localisation,
+            each=each,
+            quick=quick,
         )
     selection = select(problem, trials, each)
-    box = _black_box(problem, selection, trials)
+    box = black_box_losses(problem, selection.final.model, trials, selection.scale)
     leftover = compare(selection.final_losses, box)
     null, final = selection.null.model, selection.final.model
     short = gain_of(problem, null, final, trials, "short_horizon", horizon_s)
@@ -91,15 +97,6 @@ def find_effects(
 def _all_effects(problem: Problem, selection: Selection, trials: Trials) -> Rival:
     losses = all_effects_losses(problem, selection.null.model, trials, selection.scale)
     return Rival(name="all_effects", heldout=float(losses.mean()))
-
-
-def _black_box(problem: Problem, selection: Selection, trials: Trials) -> FloatArray:
-    """Held-out losses of the final model with a black box on top of it."""
-    (teaching, teach), (judging, judged) = (
-        (problem.features(ids, "short_horizon"), problem.residuals(selection.final.model, ids, "short_horizon"))
-        for ids in (trials.train, trials.test)
-    )
-    return trial_losses(corrected(teaching, teach, judging, judged), selection.scale)
 
 
 def _ablation(problem: Problem, selection: Selection, trials: Trials) -> tuple[Rival, ...]:

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import count
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from jobs.cache import content_key, write_atomically
 from jobs.versions import code_hash, library_versions
@@ -21,7 +21,7 @@ from simgap.case import Case, case_of, convention_checks_of, declared_rollout
 from simgap.engine_comparison.compare import EngineRollouts, compare_engines, most_telling, rollouts_in_engine
 from simgap.extension.extension import terms_of
 from simgap.find_gap import find_effects
-from simgap.inference.candidate_fit import CandidateFit, Map
+from simgap.inference.candidate_fit import Map
 from simgap.problem import Candidate
 from simgap.recording.read import Measurement, read
 from simgap.report.html import PAGE, PICTURES, REPORT, render_page
@@ -36,7 +36,7 @@ from simgap.report.side_by_side import largest_improvement, side_by_side
 from simgap.result_store import ResultStore
 from simgap.search_result import SearchResult
 
-Work = Callable[[Candidate], CandidateFit]
+Work = Callable[[Candidate], Any]
 _MOST_REPLAYED = 12  # held-out trials among which the most telling one is looked for
 
 
@@ -205,10 +205,10 @@ def _each(jobs: int, tick: Tick, store: ResultStore) -> Map:
     """
     calls = count()
 
-    def each(work: Work, items: Iterable[Candidate]) -> Iterator[CandidateFit]:
+    def each(work: Work, items: Iterable[Candidate]) -> Iterator[Any]:
         call, todo = next(calls), list(items)
 
-        def fit_at(position: int) -> CandidateFit:
+        def fit_at(position: int) -> Any:
             return store.part(f"{call}/{position}/{todo[position].key}", lambda: work(todo[position]))
 
         def report_candidate(done: int, verb: str, item: Candidate) -> None:
@@ -230,11 +230,9 @@ def _each(jobs: int, tick: Tick, store: ResultStore) -> Map:
     return each
 
 
-_work: Callable[[int], CandidateFit] | None = (
-    None  # What forked processes inherit; functions with state cannot be sent.
-)
+_work: Callable[[int], Any] | None = None  # What forked processes inherit; functions with state cannot be sent.
 
 
-def _inherited(position: int) -> CandidateFit:
+def _inherited(position: int) -> Any:
     assert _work is not None
     return _work(position)

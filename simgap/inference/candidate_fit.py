@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +35,7 @@ class CandidateFit:
     delta_bic: float
 
 
-Map = Callable[[Callable[[Candidate], CandidateFit], Iterable[Candidate]], Iterable[CandidateFit]]
+Map = Callable[[Callable[[Candidate], Any], Iterable[Candidate]], Iterable[Any]]  # in order, over processes or not
 
 
 @dataclass(frozen=True)

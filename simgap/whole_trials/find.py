@@ -21,8 +21,12 @@ from schemas.gap import (
     Rival,
     Step,
 )
+from simgap.baselines.all_effects import all_effects_losses
+from simgap.baselines.black_box import black_box_losses
+from simgap.inference.candidate_fit import Map
 from simgap.inference.decision import Decision, criterion, decide, negation, place_name
-from simgap.inference.losses import compare
+from simgap.inference.fit import robust_scale
+from simgap.inference.losses import compare, trial_losses
 from simgap.problem import Candidate, Model, Problem
 from simgap.recording.train_test_split import Trials
 from simgap.sanity.input_pairing import other_inputs_check, pairing_check
@@ -44,6 +48,8 @@ def find_on_whole_trials(
     horizon_s: float,
     checks: tuple[ConventionCheck, ...] = (),
     localisation: tuple[Localisation, ...] = (),
+    each: Map | None = None,
+    quick: bool = False,
     policy: Policy = POLICY,
 ) -> SearchResult:
     """See `simgap.find_gap.find_effects`; for problems that have whole trials."""
@@ -54,7 +60,7 @@ def find_on_whole_trials(
     assert taught is not None
     assert judged is not None
     ladder = ladder_of(taught, problem.nuisances(), policy)
-    search = search_models(ladder, problem.candidates(), policy, 0 if mixed_up else None)
+    search = search_models(ladder, problem.candidates(), policy, 0 if mixed_up else None, each)
     search = confirmed(judged, search, policy)
     models = confidence_set(search, policy)
     null, final = search.null.fit.model, search.chosen.fit.model
@@ -79,13 +85,23 @@ def find_on_whole_trials(
         verdict=judgement.verdict,
         gains=gains,
         gain=short,
-        baselines=(Rival(name="null_refit", heldout=float(np.sqrt(check.null.mean()))),),
+        baselines=_baselines(problem, null, final, trials, quick),
         ladder=_ablation(problem, search, trials),
         decisions=decisions,
         reason_counts=dict(sorted(Counter(d.reason for d in decisions).items())),
     )
     accepted = tuple(t.candidate for t in search.chosen.fit.effects)
     return SearchResult(report, extension_of(measurement, judgement.verdict.effects), final, accepted)
+
+
+def _baselines(problem: Problem, null: Model, final: Model, trials: Trials, quick: bool) -> tuple[Rival, ...]:
+    """Mean losses of the test trials on short roll-outs, in errors of the null: what names nothing beside the null."""
+    scale = robust_scale(problem, null, trials.train)
+    losses = {"null_refit": trial_losses(problem.residuals(null, trials.test, "short_horizon"), scale)}
+    if not quick:
+        losses["all_effects"] = all_effects_losses(problem, null, trials, scale)
+    losses["black_box"] = black_box_losses(problem, final, trials, scale)
+    return tuple(Rival(name=name, heldout=float(values.mean())) for name, values in losses.items())
 
 
 def _ablation(problem: Problem, search: ModelSearch, trials: Trials) -> tuple[Rival, ...]:

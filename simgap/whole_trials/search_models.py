@@ -8,13 +8,14 @@ nothing.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from schemas.arrays import FloatArray
 from schemas.gap import Reason
+from simgap.inference.candidate_fit import Map
 from simgap.inference.decision import Decision, criterion, decide
 from simgap.problem import Candidate, Model, Term, TrialSystem
 from simgap.whole_trials.fit_model import ModelFit, Space, fit_model, linearise, loss_at, vector_of
@@ -77,13 +78,14 @@ class ModelSearch:
 
 
 def search_models(
-    ladder: Ladder, candidates: Sequence[Candidate], policy: Policy, most: int | None = None
+    ladder: Ladder, candidates: Sequence[Candidate], policy: Policy, most: int | None = None, each: Map | None = None
 ) -> ModelSearch:
-    """Models of at most `most` effects (0: the null alone)."""
+    """Models of at most `most` effects (0: the null alone); `each` maps fits, over processes or not."""
+    each = each or (lambda work, items: map(work, items))
     null = _fitted(ladder.nulls[-1])
     parents, growths = [Parent(null, ladder.nulls)], []
     for _ in range(policy.most_effects if most is None else most):
-        growth = _grow(ladder, parents, candidates, policy)
+        growth = _grow(ladder, parents, candidates, policy, each)
         if growth is None:
             break
         growths.append(growth)
@@ -114,7 +116,9 @@ def _on_rungs(ladder: Ladder, fit: ModelFit, policy: Policy) -> tuple[ModelFit, 
     return (*shorter, fit)
 
 
-def _grow(ladder: Ladder, parents: Sequence[Parent], candidates: Sequence[Candidate], policy: Policy) -> Growth | None:
+def _grow(
+    ladder: Ladder, parents: Sequence[Parent], candidates: Sequence[Candidate], policy: Policy, each: Map
+) -> Growth | None:
     fits: dict[frozenset[str], ModelFit] = {}
     first: tuple[Score, ...] = ()
     for parent in parents:
@@ -124,9 +128,9 @@ def _grow(ladder: Ladder, parents: Sequence[Parent], candidates: Sequence[Candid
             for system, fit in zip(ladder.rungs, parent.rungs, strict=True)
         ]
         first = first or by_rung[-1]
-        for candidate in _promising(by_rung, policy):
+        promising = _promising(by_rung, policy)
+        for candidate, fit in zip(promising, each(_extending(ladder, parent, by_rung, policy), promising), strict=True):
             keys = parent.model.fit.keys | {candidate.key}
-            fit = _extended(ladder, parent, candidate, by_rung, policy)
             if keys not in fits or fit.losses.sum() < fits[keys].losses.sum():
                 fits[keys] = fit
     if not fits:
@@ -149,6 +153,12 @@ def _promising(by_rung: Sequence[Sequence[Score]], policy: Policy) -> list[Candi
             if place < len(names) and len(chosen) < policy.full_fits:
                 chosen.setdefault(names[place].key, names[place])
     return list(chosen.values())
+
+
+def _extending(
+    ladder: Ladder, parent: Parent, by_rung: Sequence[Sequence[Score]], policy: Policy
+) -> Callable[[Candidate], ModelFit]:
+    return lambda candidate: _extended(ladder, parent, candidate, by_rung, policy)
 
 
 def _extended(

@@ -77,7 +77,7 @@ def recorded(law: Law, folder: Path) -> Path:
         head = f"t,q_{law.joint},effort_{law.joint}"
         np.savetxt(
             folder / "trajectories" / f"{law.prefix}{law.order.index(place):02d}.csv",
-            table, fmt="%.12g", delimiter=",", header=head, comments="",
+            table, fmt="%.17g", delimiter=",", header=head, comments="",
         )  # fmt: skip
     spec = {
         "schema_version": 1,
