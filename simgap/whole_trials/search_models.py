@@ -18,12 +18,13 @@ from schemas.gap import Reason
 from simgap.inference.candidate_fit import Map
 from simgap.inference.decision import Decision, criterion, decide
 from simgap.problem import Candidate, Model, Term, TrialSystem
-from simgap.whole_trials.fit_model import ModelFit, Space, fit_model, linearise, loss_at, vector_of
+from simgap.whole_trials.fit_model import ModelFit, Space, fit_at, fit_model, linearise, loss_at, vector_of
 from simgap.whole_trials.held_out import held_out_losses, p_of_no_better
 from simgap.whole_trials.ladder import Ladder, climb
 from simgap.whole_trials.policy import Policy
 from simgap.whole_trials.score_test import Score, scores
 
+_IDLE = 0.5  # loss that a threshold without effect may cost
 LEAST_SCORE = 8.0  # loss below which a linear step is noise: 99.5 % of chi-squared with one degree
 
 
@@ -136,7 +137,7 @@ def _grow(
     if not fits:
         return None
     by_loss = sorted(fits.values(), key=lambda f: float(f.losses.sum()))
-    polished = [_polished(ladder.whole, f, policy) for f in by_loss[: policy.polished]]
+    polished = [_without_idle(ladder.whole, _polished(ladder.whole, f, policy)) for f in by_loss[: policy.polished]]
     ordered = tuple(sorted(map(_fitted, polished), key=lambda m: m.order))
     return Growth(ordered, first, _enters(ladder.nulls[-1], parents[0].model, ordered[0], len(candidates), policy))
 
@@ -189,6 +190,19 @@ def _polished(system: TrialSystem, fit: ModelFit, policy: Policy) -> ModelFit:
     model = tuple(Term(t.candidate, dict(t.candidate.null)) if t.candidate.nuisance else t for t in ended.model)
     again = fit_model(system, model, ended.starts, policy)
     return min((ended, again), key=_cost)
+
+
+def _without_idle(system: TrialSystem, fit: ModelFit) -> ModelFit:
+    """The fit with those thresholds of its last effect back at none that no trial reaches: others may reach them."""
+    *rest, term = fit.model
+    if not term.candidate.extra_starts:
+        return fit
+    before = loss_at(system, fit.model, fit.starts)
+    for name in term.candidate.strengths:
+        idle = Term(term.candidate, term.values | {name: term.candidate.null[name]})
+        if loss_at(system, (*rest, idle), fit.starts) <= before + _IDLE and idle.values != dict(term.candidate.null):
+            term = idle
+    return fit_at(system, (*rest, term), fit.starts)
 
 
 def _cost(fit: ModelFit) -> float:
