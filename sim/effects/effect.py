@@ -35,10 +35,14 @@ IN_LOOP = Parameter("in_loop", "1", 0.0, 1.0, 0.0, is_shape=True)  # 0: on the w
 
 @dataclass(frozen=True)
 class Confusable:
-    """Another effect with a like signature, and the experiment that separates the two."""
+    """Another effect with a like signature, and the experiment that separates the two.
+
+    same_for_one_joint   in the log of a single joint the two are one law, whatever the motion: no fit separates them.
+    """
 
     effect: str
     experiment: str
+    same_for_one_joint: bool = False
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,8 @@ def judge(
     direct: dict[str, tuple[DirectEstimate | None, Decision]] = {}
     for term in chosen.effects:
         own, others = widths[term.candidate.key], tuple(t for t in chosen.model if t is not term)
-        alternatives = [a for a in models.alternatives(term) if not _same_name(a, term.candidate)]
+        others_like_it = (*models.alternatives(term), *_same_law(problem, term.candidate))
+        alternatives = list({a.key: a for a in others_like_it if not _same_name(a, term.candidate)}.values())
         estimate, agreement = _direct_agreement(problem, term, own, others, trials)
         direct[term.candidate.key] = estimate, agreement
         sides: Sides = wider(symmetric(own), symmetric(threshold_excess(term)))
@@ -108,6 +109,17 @@ def experiment_for(candidate: Candidate, alternatives: Sequence[Candidate]) -> s
     theirs = [c.experiment for a in alternatives for c in a.effect.confusables if c.effect == candidate.effect.name]
     usual = [c.experiment for c in candidate.effect.confusables[:1]]
     return "; ".join(dict.fromkeys(named + theirs or usual)) or "more trials with larger and smaller motion"
+
+
+def _same_law(problem: Problem, candidate: Candidate) -> list[Candidate]:
+    """Candidates that are one law with an effect here: input that comes late, and a reading that does.
+
+    A joint answers a late input late; inside the loop of a drive it does not, because the loop sees it late.
+    """
+    if len(problem.channels()) != 1 or candidate.variant:
+        return []
+    names = {c.effect for c in candidate.effect.confusables if c.same_for_one_joint}
+    return [c for c in problem.candidates() if c.effect.name in names and not c.variant]
 
 
 def _same_name(a: Candidate, b: Candidate) -> bool:

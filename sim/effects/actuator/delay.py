@@ -51,7 +51,7 @@ EFFECT = Effect(
     reveals="the response to every change starts late by the same time",
     parameters=(Parameter("delay_s", "s", 0.0, 0.3, 0.0), IN_LOOP),
     confusables=(
-        Confusable("sensor.latency", "time the joint with a second clock, or watch it move with the drive off"),
+        Confusable("sensor.latency", "time the joint with a second clock, or watch it move with the drive off", True),
         Confusable("actuator.lag", "command steps: a delay keeps the corner sharp"),
         Confusable("joint.backlash", "reverse at several speeds"),
     ),

@@ -51,7 +51,7 @@ EFFECT = Effect(
     reveals="the whole motion comes late against commands; free motion looks right",
     parameters=(Parameter("latency_s", "s", 0.0, 0.3, 0.0),),
     confusables=(
-        Confusable("actuator.delay", "read commands and motion with one clock, or log the true effort"),
+        Confusable("actuator.delay", "read commands and motion with one clock, or log the true effort", True),
         Confusable("joint.backlash", "reverse at several speeds"),
         Confusable("actuator.lag", "step the command: a lag rounds the corner"),
     ),

@@ -8,6 +8,7 @@ import numpy as np
 
 from schemas.arrays import FloatArray
 from schemas.gap import Place
+from sim.effects.effect import Confusable
 from simgap.problem import Candidate, DirectEstimate, Model
 from simgap.whole_trials.ladder import ladder_of
 from simgap.whole_trials.policy import POLICY
@@ -68,9 +69,9 @@ class Drawn:
 class Named:
     """Stands for an effect of a candidate: its name, unit and experiments are read."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, same_as: str = "") -> None:
         self.name = name
-        self.confusables = ()
+        self.confusables = (Confusable(same_as, "another look", True),) if same_as else ()
         self.parameters = (Size(),)
 
 
@@ -83,9 +84,15 @@ class Size:
 class DrawnProblem:
     """Stands for a problem: direct estimates by name of the effect."""
 
-    def __init__(self, direct: dict[str, tuple[float, float]]) -> None:
+    def __init__(self, direct: dict[str, tuple[float, float]], all_candidates: Sequence[Candidate] = ()) -> None:
         """`direct` values with their standard errors."""
-        self._direct = direct
+        self._direct, self._candidates = direct, tuple(all_candidates)
+
+    def candidates(self) -> tuple[Candidate, ...]:
+        return self._candidates
+
+    def channels(self) -> tuple[str, ...]:
+        return ("y",)
 
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         if candidate.effect.name not in self._direct:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, cast
 
 from schemas.gap import Reason
@@ -11,8 +12,10 @@ from simgap.search_result import gain_between
 from simgap.whole_trials.check import check_whole_trials
 from simgap.whole_trials.confidence_set import confidence_set
 from simgap.whole_trials.judge import JudgedModel, judge
+from simgap.whole_trials.ladder import ladder_of
 from simgap.whole_trials.policy import POLICY
-from tests.simgap.whole_trials.drawn_trials import Drawn, DrawnProblem, searched
+from simgap.whole_trials.search_models import search_models
+from tests.simgap.whole_trials.drawn_trials import Drawn, DrawnProblem, Named, candidates, searched
 
 AGREES = {"ramp": (6.1, 0.2), "bow": (20.0, 1.0), "twin": (10.0, 0.5)}
 
@@ -90,3 +93,17 @@ def test_inputs_of_other_trials_make_nothing_sure() -> None:
     assert found.verdict.statement == STRANGE
     assert Reason.INPUTS_OF_OTHERS in reasons(found)
     assert all(e.confidence < NAMED for e in found.verdict.effects)
+
+
+def test_one_law_with_two_names_is_a_group_although_only_one_was_fitted() -> None:
+    ramp, wave = candidates("ramp wave")
+    twin = replace(ramp, effect=cast(Any, Named("late ramp")))
+    ramp = replace(ramp, effect=cast(Any, Named("ramp", same_as="late ramp")))
+    search = search_models(ladder_of(Drawn({"ramp": 6.0}), (), POLICY), [ramp, wave], POLICY)
+    null, chosen = search.null.fit, search.chosen.fit
+    test = Drawn({"ramp": 6.0}, seed=1)
+    check = check_whole_trials(test, null.model, chosen.model, (null, chosen), POLICY)
+    whole = gain_between(check.null, check.final, "full_rollout", 0.0)
+    problem = cast(Problem, cast(Any, DrawnProblem(AGREES, (ramp, twin, wave))))
+    found = judge(problem, confidence_set(search, POLICY), check, (whole, whole), test.trial_ids, False, POLICY)
+    assert [g.effects for g in found.verdict.ambiguous_groups] == [("ramp", "late ramp")]
