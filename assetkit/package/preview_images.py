@@ -31,8 +31,12 @@ def render_previews(
     work_dir: Path,
     parts: Sequence[Part] = (),
     grasps: tuple[DrawnGrasp, ...] = (),
+    *,
+    joints: bool = False,
 ) -> dict[str, bytes]:
     """PNG bytes by name, of a canonical model, its collision shapes and its parts; with `grasps` only one of those.
+
+    With `joints` a model that has a mechanism is also drawn with its joints opened by 0, 50 and 100 %.
 
     Raises RuntimeError when the renderer fails, OSError when files could not be written or read: a broken environment,
     not a bad asset.
@@ -41,7 +45,7 @@ def render_previews(
     with tempfile.TemporaryDirectory(dir=work_dir) as place:
         request = Path(place) / "request.npz"
         legend, part_of = _shown(model, parts)
-        asked = RenderRequest(model, shapes, place, grasps=grasps, parts=legend, part_of=part_of)
+        asked = RenderRequest(model, shapes, place, grasps=grasps, parts=legend, part_of=part_of, joints=joints)
         array_files.save(asked, RenderRequest, request)
         result = run_module("render", [str(request)], LIMITS)
         require_storage(result)

@@ -1,0 +1,151 @@
+"""Pictures of an articulated object at joint positions, through one camera: the strip of a package, frames of an
+animation.
+
+The camera is that of the hero view around the box that holds the object at all positions; the floor lies below all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+from pydantic import ConfigDict
+from vtkmodules.vtkCommonMath import vtkMatrix4x4
+from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkRenderWindow
+
+from geom.mechanism_pose import link_motions, movable_joints, opened
+from geom.pose import apply, pose
+from render.camera import HERO_VIEW, AnnotationFrame, annotation_frame, camera
+from render.ready_studio import take_studio
+from render.studio import BACKGROUND_SRGB, floor
+from render.surface_samples import surface_samples
+from render.surfaces import ShadedSurface, actor, surfaces
+from render.textures import TextureSet
+from render.window import enable_depth_peeling, save_png, take_picture
+from schemas.arrays import FloatArray
+from schemas.mechanism import Mechanism
+from schemas.model import Model
+
+STRIP_SHARES = (0.0, 0.5, 1.0)
+_LABEL_SRGB, _FONT_PX, _LABEL_AT = (30, 34, 40), 18, (14, 10)
+
+
+@dataclass(frozen=True)
+class JointsRequest:
+    """An articulated object to draw at joint positions: save and draw it as a `RenderRequest`, with
+    `python -m render.joints_worker`.
+
+    model      canonical, with its mechanism.
+    positions  of joints by name (rad, m), one picture each: `000.png` and so on in `out_dir`; other joints are at rest
+               or follow.
+    """
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    model: Model
+    positions: tuple[dict[str, float], ...]
+    out_dir: str
+    size_px: int = 512
+
+
+def draw_joints(request: JointsRequest) -> list[Path]:
+    """Write the pictures of `request`, in order. Raises NoOpenGL when the system has no software OpenGL."""
+    folder = Path(request.out_dir)
+    folder.mkdir(parents=True, exist_ok=True)
+    window, renderer = take_studio()
+    paths = []
+    for index, picture in enumerate(
+        posed_pictures(request.model, request.positions, window, renderer, request.size_px)
+    ):
+        paths.append(folder / f"{index:03d}.png")
+        save_png(picture, paths[-1])
+    return paths
+
+
+def draw_strip(
+    model: Model, mechanism: Mechanism, window: vtkRenderWindow, renderer: vtkRenderer, size_px: int
+) -> Image.Image:
+    """The object with all its joints opened by 0, 50 and 100 %, side by side; the renderer is left empty."""
+    joints = movable_joints(mechanism)
+    positions = [opened(joints, share) for share in STRIP_SHARES]
+    strip = Image.new("RGB", (len(positions) * size_px, size_px), (BACKGROUND_SRGB,) * 3)
+    drawn, font = ImageDraw.Draw(strip), ImageFont.load_default(_FONT_PX)
+    for index, picture in enumerate(posed_pictures(model, positions, window, renderer, size_px)):
+        strip.paste(picture, (index * size_px, 0))
+        place = (index * size_px + _LABEL_AT[0], _LABEL_AT[1])
+        drawn.text(place, f"{100 * STRIP_SHARES[index]:.0f} %", fill=_LABEL_SRGB, font=font)
+    return strip
+
+
+def posed_pictures(
+    model: Model,
+    positions: Sequence[Mapping[str, float]],
+    window: vtkRenderWindow,
+    renderer: vtkRenderer,
+    size_px: int,
+) -> Iterator[Image.Image]:
+    """One picture for each of `positions`. Raises ValueError for a model without mechanism."""
+    if model.mechanism is None:
+        raise ValueError("the model has no mechanism")
+    motions = [link_motions(model.mechanism, given) for given in positions]
+    frame = swept_frame(model, motions)
+    renderer.RemoveAllViewProps()
+    textures = TextureSet(model.textures)
+    links = _drawn_links(model, frame, textures)
+    for visual in (v for _, visuals in links.values() for v in visuals):
+        renderer.AddActor(visual)
+    if any(visual.GetForceTranslucent() for _, visuals in links.values() for visual in visuals):
+        enable_depth_peeling(renderer)
+    everything = [part for parts, _ in links.values() for part in parts]
+    owner = [name for name, (parts, _) in links.items() for _ in parts]
+    bottom = -frame.extent[2] / 2.0
+    for motion in motions:
+        # The same motion in the annotation frame: the map from A to N is a shift and a uniform scale.
+        in_frame = {
+            name: pose(M[:3, :3], frame.from_asset(apply(M, frame.centre_m[None]))[0]) for name, M in motion.items()
+        }
+        for name, (_, visuals) in links.items():
+            for visual in visuals:
+                visual.SetUserMatrix(_vtk_matrix(in_frame[name]))
+        posed = tuple(
+            replace(part, points=apply(in_frame[name], part.points.reshape(-1, 3)).reshape(-1, 3, 3))
+            for name, part in zip(owner, everything, strict=True)
+        )
+        ground = floor(surface_samples(posed), bottom)
+        renderer.AddActor(ground)
+        yield take_picture(window, renderer, camera(HERO_VIEW, frame.extent), size_px)
+        renderer.RemoveActor(ground)
+    renderer.RemoveAllViewProps()
+
+
+def swept_frame(model: Model, motions: Sequence[Mapping[str, FloatArray]]) -> AnnotationFrame:
+    """The annotation frame of the box that holds the finite points of the model in all poses."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for mesh in model.meshes:
+        points = mesh.points[np.unique(mesh.triangles)]
+        points = points[np.isfinite(points).all(axis=1)]
+        for motion in motions if len(points) else ():
+            moved = apply(motion[mesh.link], points)
+            low, high = np.minimum(low, moved.min(axis=0)), np.maximum(high, moved.max(axis=0))
+    return annotation_frame(low, high) if np.isfinite(low).all() else annotation_frame(np.zeros(3), np.zeros(3))
+
+
+def _drawn_links(
+    model: Model, frame: AnnotationFrame, textures: TextureSet
+) -> dict[str, tuple[tuple[ShadedSurface, ...], list[vtkActor]]]:
+    """Surfaces at rest and their actors by the name of their link."""
+    drawn = {}
+    for name in dict.fromkeys(mesh.link for mesh in model.meshes):
+        meshes = tuple(mesh for mesh in model.meshes if mesh.link == name)
+        parts = tuple(part for part in surfaces(replace(model, meshes=meshes), frame) if len(part.points))
+        drawn[name] = parts, [actor(part, textures) for part in parts]
+    return drawn
+
+
+def _vtk_matrix(X: FloatArray) -> vtkMatrix4x4:
+    matrix = vtkMatrix4x4()
+    matrix.DeepCopy(X.ravel())
+    return matrix
