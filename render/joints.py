@@ -1,11 +1,13 @@
 """Pictures of an articulated object at joint positions, through one camera: the strip of a package, frames of an
 animation.
 
-The camera is that of the hero view around the box that holds the object at all positions; the floor lies below all.
+The camera is that of the hero view around the box that holds the object at all positions, or the same from the corner
+where the motion is seen best; the floor lies below all.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,7 +20,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkRenderWindow
 
 from geom.mechanism_pose import link_motions, movable_joints, opened
 from geom.pose import apply, pose
-from render.camera import HERO_VIEW, AnnotationFrame, annotation_frame, camera
+from render.camera import HERO_VIEW, AnnotationFrame, CameraView, annotation_frame, camera
 from render.ready_studio import take_studio
 from render.studio import BACKGROUND_SRGB, floor
 from render.surface_samples import surface_samples
@@ -30,6 +32,9 @@ from schemas.mechanism import Mechanism
 from schemas.model import Model
 
 STRIP_SHARES = (0.0, 0.5, 1.0)
+_TRIAL_PX = 96
+_VISIBLE_STEP = 12  # of 255: shadows and shading that change a little do not count
+_FAR_MORE = 1.3  # The strip looks like the other pictures where it can.
 _LABEL_SRGB, _FONT_PX, _LABEL_AT = (30, 34, 40), 18, (14, 10)
 
 
@@ -91,34 +96,57 @@ def posed_pictures(
     if model.mechanism is None:
         raise ValueError("the model has no mechanism")
     motions = [link_motions(model.mechanism, given) for given in positions]
-    frame = swept_frame(model, motions)
-    renderer.RemoveAllViewProps()
-    textures = TextureSet(model.textures)
-    links = _drawn_links(model, frame, textures)
-    for visual in (v for _, visuals in links.values() for v in visuals):
-        renderer.AddActor(visual)
-    if any(visual.GetForceTranslucent() for _, visuals in links.values() for visual in visuals):
-        enable_depth_peeling(renderer)
-    everything = [part for parts, _ in links.values() for part in parts]
-    owner = [name for name, (parts, _) in links.items() for _ in parts]
-    bottom = -frame.extent[2] / 2.0
+    scene = _PosedScene(model, swept_frame(model, motions), window, renderer)
+    view = _telling_view(scene, [motions[0], motions[len(motions) // 2], motions[-1]])
     for motion in motions:
-        # The same motion in the annotation frame: the map from A to N is a shift and a uniform scale.
-        in_frame = {
-            name: pose(M[:3, :3], frame.from_asset(apply(M, frame.centre_m[None]))[0]) for name, M in motion.items()
-        }
-        for name, (_, visuals) in links.items():
-            for visual in visuals:
-                visual.SetUserMatrix(_vtk_matrix(in_frame[name]))
-        posed = tuple(
-            replace(part, points=apply(in_frame[name], part.points.reshape(-1, 3)).reshape(-1, 3, 3))
-            for name, part in zip(owner, everything, strict=True)
-        )
-        ground = floor(surface_samples(posed), bottom)
-        renderer.AddActor(ground)
-        yield take_picture(window, renderer, camera(HERO_VIEW, frame.extent), size_px)
-        renderer.RemoveActor(ground)
+        yield scene.picture(motion, view, size_px)
     renderer.RemoveAllViewProps()
+
+
+def _telling_view(scene: _PosedScene, motions: Sequence[Mapping[str, FloatArray]]) -> CameraView:
+    """The hero view, or that from another corner if the motions change far more of the picture there.
+
+    Many doors open away from the hero view, because nothing says where the front of their object is.
+    """
+    corners = [replace(HERO_VIEW, azimuth_deg=HERO_VIEW.azimuth_deg + turn) for turn in (0.0, 90.0, 180.0, 270.0)]
+    changed = []
+    for view in corners:
+        seen = [np.asarray(scene.picture(motion, view, _TRIAL_PX), dtype=np.int64) for motion in motions]
+        steps = (np.abs(b - a).max(axis=2) for a, b in itertools.pairwise(seen))
+        changed.append(sum(int((step > _VISIBLE_STEP).sum()) for step in steps))
+    best = int(np.argmax(changed))
+    return corners[best] if changed[best] > _FAR_MORE * changed[0] else HERO_VIEW
+
+
+class _PosedScene:
+    """The links of a model as actors of a renderer, drawn in any pose of theirs."""
+
+    def __init__(self, model: Model, frame: AnnotationFrame, window: vtkRenderWindow, renderer: vtkRenderer) -> None:
+        self._frame, self._window, self._renderer = frame, window, renderer
+        self._links = _drawn_links(model, frame, TextureSet(model.textures))
+        renderer.RemoveAllViewProps()
+        visuals = [visual for _, of_link in self._links.values() for visual in of_link]
+        for visual in visuals:
+            renderer.AddActor(visual)
+        if any(visual.GetForceTranslucent() for visual in visuals):
+            enable_depth_peeling(renderer)
+
+    def picture(self, motion: Mapping[str, FloatArray], view: CameraView, size_px: int) -> Image.Image:
+        """The object with its links moved by `motion`, (4, 4) of the asset frame by name."""
+        frame, posed = self._frame, list[ShadedSurface]()
+        for name, (parts, visuals) in self._links.items():
+            # The same motion in the annotation frame, which is shifted and scaled, but not turned.
+            M_N = pose(motion[name][:3, :3], frame.from_asset(apply(motion[name], frame.centre_m[None]))[0])
+            for visual in visuals:
+                visual.SetUserMatrix(_vtk_matrix(M_N))
+            for part in parts:
+                points = apply(M_N, part.points.reshape(-1, 3)).reshape(-1, 3, 3)
+                posed.append(replace(part, points=points.astype(np.float32)))
+        ground = floor(surface_samples(tuple(posed)), -frame.extent[2] / 2.0)
+        self._renderer.AddActor(ground)
+        picture = take_picture(self._window, self._renderer, camera(view, frame.extent), size_px)
+        self._renderer.RemoveActor(ground)
+        return picture
 
 
 def swept_frame(model: Model, motions: Sequence[Mapping[str, FloatArray]]) -> AnnotationFrame:
