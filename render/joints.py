@@ -9,18 +9,18 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
-from pydantic import ConfigDict
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkRenderWindow
 
 from geom.mechanism_pose import link_motions, movable_joints, opened
 from geom.pose import apply, pose
 from render.camera import HERO_VIEW, AnnotationFrame, CameraView, annotation_frame, camera
+from render.joints_request import JointsRequest
 from render.ready_studio import take_studio
 from render.studio import BACKGROUND_SRGB, floor
 from render.surface_samples import surface_samples
@@ -36,24 +36,6 @@ _TRIAL_PX = 96
 _VISIBLE_STEP = 12  # of 255: shadows and shading that change a little do not count
 _FAR_MORE = 1.3  # The strip looks like the other pictures where it can.
 _LABEL_SRGB, _FONT_PX, _LABEL_AT = (30, 34, 40), 18, (14, 10)
-
-
-@dataclass(frozen=True)
-class JointsRequest:
-    """An articulated object to draw at joint positions: save and draw it as a `RenderRequest`, with
-    `python -m render.joints_worker`.
-
-    model      canonical, with its mechanism.
-    positions  of joints by name (rad, m), one picture each: `000.png` and so on in `out_dir`; other joints are at rest
-               or follow.
-    """
-
-    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
-
-    model: Model
-    positions: tuple[dict[str, float], ...]
-    out_dir: str
-    size_px: int = 512
 
 
 def draw_joints(request: JointsRequest) -> list[Path]:

@@ -13,7 +13,8 @@ from render.__main__ import draw_saved, use_one_thread
 def main(argv: list[str]) -> int:
     """Draw the request at `argv[0]`; returns the exit code."""
     use_one_thread()
-    from render.joints import JointsRequest, draw_joints
+    from render.joints import draw_joints
+    from render.joints_request import JointsRequest
 
     return draw_saved(argv, JointsRequest, draw_joints)
 
