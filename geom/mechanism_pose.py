@@ -88,7 +88,7 @@ def opened(joints: Iterable[MechanismJoint], share: float) -> dict[str, float]:
         near, far = joint.limits or (joint.rest, joint.rest + 2.0 * math.pi)
         if abs(far - joint.rest) < abs(near - joint.rest):
             near, far = far, near
-        positions[joint.name] = near + share * (far - near)
+        positions[joint.name] = (1.0 - share) * near + share * far
     return positions
 
 

@@ -122,7 +122,7 @@ class _PosedScene:
             for visual in visuals:
                 visual.SetUserMatrix(_vtk_matrix(M_N))
             for part in parts:
-                points = apply(M_N, part.points.reshape(-1, 3)).reshape(-1, 3, 3)
+                points = apply(M_N, part.points.reshape(-1, 3).astype(np.float64)).reshape(-1, 3, 3)
                 posed.append(replace(part, points=points.astype(np.float32)))
         ground = floor(surface_samples(tuple(posed)), -frame.extent[2] / 2.0)
         self._renderer.AddActor(ground)
@@ -157,5 +157,5 @@ def _drawn_links(
 
 def _vtk_matrix(X: FloatArray) -> vtkMatrix4x4:
     matrix = vtkMatrix4x4()
-    matrix.DeepCopy(X.ravel())
+    matrix.DeepCopy(X.ravel().tolist())
     return matrix

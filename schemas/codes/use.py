@@ -99,7 +99,7 @@ USE_CODES: dict[str, CodeInfo] = {
     "asset/missing-joint": CodeInfo(
         "error",
         "There is no such joint to move",
-        "The object is rigid, or no joint of that name moves on its own; a joint that follows another one moves with it.",
+        "The object is rigid, or no joint of that name moves on its own. Joints that follow another one move with it.",
         "name a joint that the finding lists, or draw a rigid object without --joints",
     ),
     "asset/report-unreadable": CodeInfo(
