@@ -35,7 +35,7 @@ STRIP_SHARES = (0.0, 0.5, 1.0)
 _TRIAL_PX = 96
 _VISIBLE_STEP = 12  # of 255: shadows and shading that change a little do not count
 _FAR_MORE = 1.3  # The strip looks like the other pictures where it can.
-_LABEL_SRGB, _FONT_PX, _LABEL_AT = (30, 34, 40), 18, (14, 10)
+_LABEL_SRGB, _LABEL_PX, _LABEL_AT = (30, 34, 40), 18, (14, 10)
 
 
 def draw_joints(request: JointsRequest) -> list[Path]:
@@ -59,7 +59,7 @@ def draw_strip(
     joints = movable_joints(mechanism)
     positions = [opened(joints, share) for share in STRIP_SHARES]
     strip = Image.new("RGB", (len(positions) * size_px, size_px), (BACKGROUND_SRGB,) * 3)
-    drawn, font = ImageDraw.Draw(strip), ImageFont.load_default(_FONT_PX)
+    drawn, font = ImageDraw.Draw(strip), ImageFont.load_default(_LABEL_PX)
     for index, picture in enumerate(posed_pictures(model, positions, window, renderer, size_px)):
         strip.paste(picture, (index * size_px, 0))
         place = (index * size_px + _LABEL_AT[0], _LABEL_AT[1])
