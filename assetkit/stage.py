@@ -251,6 +251,7 @@ class Draft:
             up_axis=source.up_axis,
             hints=source.hints,
             metadata=source.metadata,
+            mechanism=self.canonicalize.mechanism if self.canonicalize else source.mechanism,
         )
 
 

@@ -1,8 +1,12 @@
-"""Placement of a mechanism: the same in another object frame, and the poses of its links at joint positions."""
+"""Placement of a mechanism: the same in another object frame, and the poses of its links at joint positions.
+
+The *opening* of joints is a share 0..1 of their range: 0 at the limit nearer to the rest state, 1 at the other one.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -55,6 +59,12 @@ def link_frames(mechanism: Mechanism, positions: Mapping[str, float]) -> dict[st
 
     Product of exponentials (Brockett 1984) over the joints of the tree, each about its axis in the rest state.
     """
+    motions = link_motions(mechanism, positions)
+    return {link.name: motions[link.name] @ pose(None, link.origin) for link in mechanism.links}
+
+
+def link_motions(mechanism: Mechanism, positions: Mapping[str, float]) -> dict[str, FloatArray]:
+    """M (4, 4) of the object frame for every link by name: what joint positions do to its points at rest."""
     at = joint_positions(mechanism, positions)
     carrier = {joint.child: joint for joint in mechanism.tree}
     motions: dict[str, FloatArray] = {}
@@ -63,7 +73,23 @@ def link_frames(mechanism: Mechanism, positions: Mapping[str, float]) -> dict[st
         motions[link.name] = (
             np.eye(4) if joint is None else motions[joint.parent] @ joint_motion(joint, at[joint.name] - joint.rest)
         )
-    return {link.name: motions[link.name] @ pose(None, link.origin) for link in mechanism.links}
+    return motions
+
+
+def movable_joints(mechanism: Mechanism) -> tuple[MechanismJoint, ...]:
+    """The joints of the tree that move on their own: not those that follow another one, nor ball joints."""
+    return tuple(joint for joint in mechanism.tree if joint.coupling is None and joint.kind != "ball")
+
+
+def opened(joints: Iterable[MechanismJoint], share: float) -> dict[str, float]:
+    """Positions by name of joints opened by `share`; a joint without limits makes one turn from rest."""
+    positions: dict[str, float] = {}
+    for joint in joints:
+        near, far = joint.limits or (joint.rest, joint.rest + 2.0 * math.pi)
+        if abs(far - joint.rest) < abs(near - joint.rest):
+            near, far = far, near
+        positions[joint.name] = (1.0 - share) * near + share * far
+    return positions
 
 
 def joint_motion(joint: MechanismJoint, moved_by: float) -> FloatArray:

@@ -25,6 +25,7 @@ class RenderRequest:
              through all meshes, or -1.
     size_px  edge of the square pictures; the thumbnail is always 256.
     views    camera directions; each gives the picture of its name.
+    joints   draw `joints.png`, the strip of the mechanism of the model; nothing for a rigid model.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -37,3 +38,4 @@ class RenderRequest:
     grasps: tuple[DrawnGrasp, ...] = ()
     parts: tuple[str, ...] = ()
     part_of: IntArray | None = None
+    joints: bool = False

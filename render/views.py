@@ -11,25 +11,25 @@ from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 from render.camera import HERO_VIEW, AnnotationFrame, annotation_frame, camera
 from render.collision import collision_actors, shape_mesh
 from render.grasps import grasp_actors, half_extents
+from render.joints import draw_strip
 from render.parts import draw_parts
 from render.ready_studio import take_studio
 from render.request import RenderRequest
 from render.studio import floor
+from render.surface_samples import surface_samples
 from render.surfaces import ShadedSurface, actor, plain_actor, surfaces
 from render.textures import TextureSet
-from render.window import SUPERSAMPLING, save_png, take_picture
-from schemas.arrays import FloatArray
+from render.window import SUPERSAMPLING, enable_depth_peeling, save_png, take_picture
 from schemas.model import Model
 
 THUMBNAIL_PX = 256
 _FAINT = (0.55, 0.55, 0.55)
-_SHADOW_SAMPLES = 20_000
 _THIN = 0.01  # Needles thinner than this share of their length are drawn as lines, else they fall between samples.
 
 
 def render_all(request: RenderRequest) -> dict[str, Path]:
     """Write the pictures of `request`; their paths by name: four views, `thumbnail`, `collision` if there are shapes,
-    `parts` if there are parts.
+    `parts` if there are parts, `joints` if the joints of a mechanism are to be shown.
 
     Raises NoOpenGL when the system has no software OpenGL. A driver without its back end may kill the process: run it
     in a cell (`python -m render`).
@@ -39,7 +39,7 @@ def render_all(request: RenderRequest) -> dict[str, Path]:
     frame = model_frame(request.model)
     parts = tuple(part for part in surfaces(request.model, frame) if len(part.points))
     window, renderer = take_studio()
-    renderer.AddActor(floor(_surface_samples(parts), bottom=-frame.extent[2] / 2.0))
+    renderer.AddActor(floor(surface_samples(parts), bottom=-frame.extent[2] / 2.0))
     if request.grasps:
         pictures = {"grasps": _draw_grasps(request, frame, parts, window, renderer)}
     else:
@@ -48,8 +48,10 @@ def render_all(request: RenderRequest) -> dict[str, Path]:
         pictures["collision"] = _draw_collision(request, frame, parts, window, renderer)
     if request.parts and request.part_of is not None and parts:
         renderer.RemoveAllViewProps()
-        renderer.AddActor(floor(_surface_samples(parts), bottom=-frame.extent[2] / 2.0))
+        renderer.AddActor(floor(surface_samples(parts), bottom=-frame.extent[2] / 2.0))
         pictures["parts"] = draw_parts(request, request.part_of, frame, window, renderer)
+    if request.joints and request.model.mechanism is not None:
+        pictures["joints"] = draw_strip(request.model, request.model.mechanism, window, renderer, request.size_px)
     paths = {name: folder / f"{name}.png" for name in pictures}
     for name, picture in pictures.items():
         save_png(picture, paths[name])
@@ -71,7 +73,7 @@ def _draw_views(
             visual.GetProperty().SetRepresentationToWireframe()
             visual.GetProperty().SetLineWidth(2.0 * SUPERSAMPLING)
     if any(visual.GetForceTranslucent() for visual in visuals):
-        _enable_depth_peeling(renderer)
+        enable_depth_peeling(renderer)
     sizes = dict.fromkeys(request.views, request.size_px) | {HERO_VIEW: THUMBNAIL_PX}
     pictures = {v.name: take_picture(window, renderer, camera(v, frame.extent), px) for v, px in sizes.items()}
     for visual in visuals:
@@ -91,7 +93,7 @@ def _draw_collision(
         renderer.AddActor(plain_actor(parts, _FAINT))
     for overlay in collision_actors(meshes):
         renderer.AddActor(overlay)
-    _enable_depth_peeling(renderer)
+    enable_depth_peeling(renderer)
     # Shapes that protrude from the model must be in the picture, too.
     shape_half_extents = np.abs(np.concatenate([mesh.points for mesh in meshes])).max(axis=0)
     lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * shape_half_extents))
@@ -124,28 +126,3 @@ def model_frame(model: Model) -> AnnotationFrame:
     if not np.isfinite(low).all():
         low, high = np.full(3, -0.5), np.full(3, 0.5)
     return annotation_frame(low, high)
-
-
-def _enable_depth_peeling(renderer: vtkRenderer) -> None:
-    """Sort translucent surfaces per pixel."""
-    renderer.SetUseDepthPeeling(True)
-    renderer.SetMaximumNumberOfPeels(6)
-    renderer.SetOcclusionRatio(0.0)
-
-
-def _surface_samples(parts: tuple[ShadedSurface, ...]) -> FloatArray:
-    """(n, 3) points spread over the surface by area, the same ones every time."""
-    if not parts:
-        return np.zeros((0, 3))
-    triangles = np.concatenate([part.points for part in parts])
-    edges = triangles[:, 1:] - triangles[:, :1]
-    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).astype(np.float64)
-    total = np.cumsum(area)
-    if not len(total) or total[-1] <= 0.0:
-        return triangles.reshape(-1, 3).astype(np.float64)
-    index = np.arange(_SHADOW_SAMPLES)
-    chosen = np.searchsorted(total, (index + 0.5) / _SHADOW_SAMPLES * total[-1]).clip(max=len(total) - 1)
-    # The R2 low-discrepancy sequence (Roberts 2018), folded onto the triangle.
-    u, v = (index * 0.7548776662466927) % 1.0, (index * 0.5698402909980532) % 1.0
-    u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
-    return triangles[chosen, 0] + u[:, None] * edges[chosen, 0] + v[:, None] * edges[chosen, 1]

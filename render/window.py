@@ -52,6 +52,13 @@ def take_picture(window: vtkRenderWindow, renderer: vtkRenderer, camera: Pinhole
     return Image.fromarray(np.ascontiguousarray(rows)).reduce(SUPERSAMPLING)
 
 
+def enable_depth_peeling(renderer: vtkRenderer) -> None:
+    """Sort translucent surfaces per pixel."""
+    renderer.SetUseDepthPeeling(True)
+    renderer.SetMaximumNumberOfPeels(6)
+    renderer.SetOcclusionRatio(0.0)
+
+
 def save_png(image: Image.Image, path: Path) -> None:
     """Write `image` as PNG without any metadata: equal pixels give equal bytes."""
     image.save(path, format="PNG", compress_level=6)

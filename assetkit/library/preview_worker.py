@@ -1,4 +1,4 @@
-"""Entry of the preview cell: reads one file or package and renders its first object to PNGs.
+"""Entry of the preview cell: reads one file or package and renders its first object to PNGs or a GIF.
 
 It runs in a cell because the file may be anything, and a reader may hang or crash on it.
 """
@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from assetkit.geometry.canonical_model import canonicalize
+from assetkit.library.animate_joints import animate_joints
 from assetkit.library.validate import main_usd_files
 from assetkit.materials.normalize import normalize
 from assetkit.options import Options
@@ -19,6 +20,7 @@ from assetkit.sources.discover import discover
 from assetkit.stages.intake import ReadSource
 from jobs.cache import write_atomically
 from schemas.diagnostics import InvalidInput
+from schemas.model import Model
 from schemas.physics import CollisionShape
 from usdio.reread.body import reread_package
 
@@ -28,24 +30,8 @@ def draw_preview(path: Path, out: Path) -> list[Path]:
 
     Raises InvalidInput when the file cannot be read and FileNotFoundError when a folder holds no USD file.
     """
-    shapes: tuple[CollisionShape, ...] = ()
-    if path.is_dir():
-        files = main_usd_files(path)
-        if not files:
-            raise FileNotFoundError(path)
-        path = files[0]
-        shapes = reread_package(path).body.shapes
-    options = Options()
-    taken = ReadSource().run(discover([path])[0], options)
-    if not taken.objects:
-        raise InvalidInput(taken.diagnostics[-1])
-    item = taken.objects[0]
-    canonical = canonicalize(item, path.name, options)
-    if canonical.value is None:
-        raise InvalidInput(canonical.diagnostics[-1])
-    appearance = normalize(item.model).value
-    materials = appearance.materials if appearance else ()
-    model = replace(item.model, meshes=canonical.value.meshes, materials=materials)
+    shapes: tuple[CollisionShape, ...] = reread_package(main_file(path)).body.shapes if path.is_dir() else ()
+    model = first_model(path)
     out.mkdir(parents=True, exist_ok=True)
     written = []
     for name, data in render_previews(model, shapes, out).items():
@@ -54,14 +40,49 @@ def draw_preview(path: Path, out: Path) -> list[Path]:
     return written
 
 
-def main(path: str, out: str, note: str) -> None:
-    """Draw `path` into `out` and leave the files written, or why there are none, in `note`."""
+def first_model(path: Path) -> Model:
+    """The canonical model of the first object of a source file or of a package, with its mechanism.
+
+    Raises InvalidInput when the file cannot be read and FileNotFoundError when a folder holds no USD file.
+    """
+    file, options = main_file(path), Options()
+    taken = ReadSource().run(discover([file])[0], options)
+    if not taken.objects:
+        raise InvalidInput(taken.diagnostics[-1])
+    item = taken.objects[0]
+    canonical = canonicalize(item, file.name, options)
+    if canonical.value is None:
+        raise InvalidInput(canonical.diagnostics[-1])
+    appearance = normalize(item.model).value
+    materials = appearance.materials if appearance else ()
+    mechanism = canonical.value.mechanism
+    return replace(item.model, meshes=canonical.value.meshes, materials=materials, mechanism=mechanism)
+
+
+def main_file(path: Path) -> Path:
+    """The file itself, or the main USD file of a package. Raises FileNotFoundError for a folder without any."""
+    files = main_usd_files(path) if path.is_dir() else [path]
+    if not files:
+        raise FileNotFoundError(path)
+    return files[0]
+
+
+def main(path: str, out: str, note: str, *joints: str) -> None:
+    """Draw `path` into `out` and leave the files written, or why there are none, in `note`.
+
+    With `joints` (the number of frames, then names of joints or none) `out` is a GIF of the moving joints.
+    """
     try:
-        reply = {"written": [str(p) for p in draw_preview(Path(path), Path(out))]}
+        written = (
+            [animate_joints(first_model(Path(path)), Path(out), int(joints[0]), joints[1:], Path(path).name)]
+            if joints
+            else draw_preview(Path(path), Path(out))
+        )
+        reply = {"written": [str(p) for p in written]}
     except InvalidInput as refused:
         reply = {"refused": refused.diagnostic.model_dump(mode="json")}
     write_atomically(Path(note), json.dumps(reply).encode())
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:4])
+    main(*sys.argv[1:])

@@ -1,10 +1,11 @@
-"""Renders preview pictures (PNG) of any readable file or released package, in a cell, without making a package."""
+"""Renders pictures (PNG), or a GIF of moving joints, of any readable file or package, in a cell; makes no package."""
 
 from __future__ import annotations
 
 import json
 import os
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from assetkit.batch.item_cells import DEFAULT_LIMITS, ENVIRONMENT, LOST_CODES
@@ -20,11 +21,26 @@ def picture(path: Path, out: Path, *, limits: Limits = DEFAULT_LIMITS) -> list[P
     Reading and drawing run in a cell, because the file may be anything. Raises InvalidInput when the file cannot be
     read or takes its cell down, and FileNotFoundError when a folder holds no USD file.
     """
+    return _drawn(path, out, (), limits)
+
+
+def animation(
+    path: Path, out: Path, *, frames: int, joints: Sequence[str] = (), limits: Limits = DEFAULT_LIMITS
+) -> Path:
+    """Draw the GIF `out` of a source file or package whose joints (all, or those named) move there and back.
+
+    `frames` pictures lead from one end to the other. Raises as `picture`, and InvalidInput (`asset/missing-joint`) for
+    a rigid object or an unknown joint.
+    """
+    return _drawn(path, out, (str(frames), *joints), limits)[0]
+
+
+def _drawn(path: Path, out: Path, joints: Sequence[str], limits: Limits) -> list[Path]:
     if path.is_dir() and not main_usd_files(path):
         raise FileNotFoundError(path)
     with tempfile.TemporaryDirectory(prefix="mana") as folder:
         note = Path(folder) / "note.json"
-        arguments = [os.fspath(path.absolute()), os.fspath(out), os.fspath(note)]
+        arguments = [os.fspath(path.absolute()), os.fspath(out), os.fspath(note), *joints]
         result = run_module("assetkit.library.preview_worker", arguments, limits, env=ENVIRONMENT)
         reply = json.loads(note.read_text()) if note.is_file() else {}
     if "refused" in reply:

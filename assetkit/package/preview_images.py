@@ -1,4 +1,4 @@
-"""PNG pictures of a canonical model with its colliders, parts or grasps, drawn in a child process.
+"""PNG pictures of a canonical model with its colliders, parts, grasps or joints, drawn in a child process.
 
 Graphics drivers crash; the process that makes the asset must not crash with them.
 """
@@ -6,8 +6,9 @@ Graphics drivers crash; the process that makes the asset must not crash with the
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from assetkit.storage import require_storage
 from jobs.cell import Limits
 from jobs.warm import run_module
 from render.drawn_grasp import DrawnGrasp
+from render.joints_request import JointsRequest
 from render.request import RenderRequest
 from schemas.arrays import IntArray
 from schemas.files import array_files
@@ -22,6 +24,7 @@ from schemas.model import Model
 from schemas.parts import Part
 from schemas.physics import CollisionShape
 
+T = TypeVar("T")
 LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
 
@@ -31,23 +34,42 @@ def render_previews(
     work_dir: Path,
     parts: Sequence[Part] = (),
     grasps: tuple[DrawnGrasp, ...] = (),
+    *,
+    joints: bool = False,
 ) -> dict[str, bytes]:
     """PNG bytes by name, of a canonical model, its collision shapes and its parts; with `grasps` only one of those.
+
+    With `joints` a model that has a mechanism is also drawn with its joints opened by 0, 50 and 100 %.
 
     Raises RuntimeError when the renderer fails, OSError when files could not be written or read: a broken environment,
     not a bad asset.
     """
     work_dir.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work_dir) as place:
-        request = Path(place) / "request.npz"
         legend, part_of = _shown(model, parts)
-        asked = RenderRequest(model, shapes, place, grasps=grasps, parts=legend, part_of=part_of)
-        array_files.save(asked, RenderRequest, request)
-        result = run_module("render", [str(request)], LIMITS)
-        require_storage(result)
-        if result.status != "ok":
-            raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
-        return {p.stem: p.read_bytes() for p in sorted(Path(place).glob("*.png"))}
+        request = RenderRequest(model, shapes, place, grasps=grasps, parts=legend, part_of=part_of, joints=joints)
+        return {p.stem: p.read_bytes() for p in _drawn(request, RenderRequest, "render", Path(place))}
+
+
+def render_joints(model: Model, positions: Sequence[Mapping[str, float]], work_dir: Path) -> list[bytes]:
+    """PNG bytes of a canonical model with a mechanism, one picture for each of the joint positions by name (rad, m).
+
+    Raises as `render_previews`.
+    """
+    with tempfile.TemporaryDirectory(dir=work_dir) as place:
+        request = JointsRequest(model, tuple(dict(given) for given in positions), place)
+        return [p.read_bytes() for p in _drawn(request, JointsRequest, "render.joints_worker", Path(place))]
+
+
+def _drawn(request: T, kind: type[T], module: str, place: Path) -> list[Path]:
+    """The pictures that `module` draws of the request, which names the folder `place` for them."""
+    file = place / "request.npz"
+    array_files.save(request, kind, file)
+    result = run_module(module, [str(file)], LIMITS)
+    require_storage(result)
+    if result.status != "ok":
+        raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
+    return sorted(place.glob("*.png"))
 
 
 def _shown(model: Model, parts: Sequence[Part]) -> tuple[tuple[str, ...], IntArray]:

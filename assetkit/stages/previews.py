@@ -1,4 +1,4 @@
-"""Previews, the stage after physics: PNG pictures of the asset, its colliders and its parts."""
+"""Previews, the stage after physics: PNG pictures of the asset, its colliders, parts and joints."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from schemas.outcome import Outcome
 
 
 class RenderPreviews(Stage):
-    """Four standard views, the collision overlay, the parts and a thumbnail."""
+    """Four standard views, the collision overlay, the parts, the strip of a mechanism and a thumbnail."""
 
     name = "previews"
     version = 2
@@ -18,4 +18,5 @@ class RenderPreviews(Stage):
     def run(self, draft: Draft, tools: Tools) -> Outcome[Previews]:
         """PNG bytes by name."""
         shapes, parts = draft[Physics].shapes, draft[Interaction].parts
-        return Outcome(Previews(render_previews(draft.model, shapes, tools.work_dir, [p.value for p in parts])))
+        images = render_previews(draft.model, shapes, tools.work_dir, [p.value for p in parts], joints=True)
+        return Outcome(Previews(images))

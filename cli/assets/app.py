@@ -252,16 +252,38 @@ def validate_command(
 @app.command("render")
 def render_command(
     path: Annotated[Path, typer.Argument(help="A source file or a package.", exists=True)],
-    out: Annotated[Path, typer.Option("--out", help="Where the pictures go.")] = Path("pictures"),
+    out: Annotated[Path, typer.Option("--out", help="Folder of the pictures; with --joints perhaps a .gif.")] = Path(
+        "pictures"
+    ),
+    joints: Annotated[
+        bool, typer.Option("--joints", help="A GIF of the moving joints instead: joints.gif, or the file of --out.")
+    ] = False,
+    joint: Annotated[
+        list[str] | None, typer.Option("--joint", help="With --joints: move this one only. May be repeated.")
+    ] = None,
+    frames: Annotated[
+        int, typer.Option("--frames", min=2, max=240, help="With --joints: pictures from one end to the other.")
+    ] = 24,
     as_json: AsJson = False,
 ) -> None:
-    """Render four standard views, a thumbnail and, for a package, its collision shapes.
+    """Render four standard views, a thumbnail and, for a package, its collision shapes; or a GIF of moving joints.
 
-    Example: `mana assets render library/mug --out pictures`
+    Joints move from the limit nearer to the rest state to the other one and back, all together unless --joint names
+    some; joints without limits make one turn, joints that follow others do so. A rigid object is refused
+    (asset/missing-joint).
+
+    Examples: `mana assets render library/mug --out pictures`, `mana assets render library/microwave --joints --out
+    door.gif`, `mana assets render library/cabinet --joints --joint top_drawer --frames 40`
     """
-    from assetkit.library.previews import picture
+    from assetkit.library.previews import animation, picture
 
-    written = picture(path, out)
+    if joints:
+        gif = out if out.suffix.lower() == ".gif" else out / "joints.gif"
+        written = [animation(path, gif, frames=frames, joints=joint or ())]
+    elif joint:
+        raise typer.BadParameter("needs --joints", param_hint="--joint")
+    else:
+        written = picture(path, out)
     if as_json:
         print(json.dumps([str(p) for p in written]))
     else:

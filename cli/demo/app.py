@@ -18,7 +18,7 @@ from cli.assets.app import AsJson, shown_progress
 from cli.engines import SIMULATOR
 from schemas.diagnostics import Severity
 
-# Real meshes of two formats; the mug and the tray must keep their cavity, the torus its hole.
+# Real meshes of two formats and a robot description; the mug and the tray must keep their cavity, the torus its hole.
 OBJECTS = (
     "duck.obj",
     "objects/mug.obj",
@@ -30,6 +30,7 @@ OBJECTS = (
     "soccerball.obj",
     "bunny.obj",
     "random_urdfs/472/472.obj",
+    "r2d2.urdf",  # a mechanism
 )
 
 

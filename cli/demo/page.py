@@ -6,6 +6,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from assetkit.package.package import PREVIEWS
 from assetkit.package.record import RECORD
 from cli.demo.gap import GapDemo
 from cli.demo.gate import Spoiled
@@ -45,6 +46,7 @@ def write_page(
     html = page.render(
         report=report,
         cards=cards,
+        mechanisms=[card for card in cards if (library / str(card["name"]) / PREVIEWS / "joints.png").is_file()],
         grasped=_grasped(cards),
         refused=refused,
         spoiled=spoiled,

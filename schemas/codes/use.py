@@ -96,6 +96,12 @@ USE_CODES: dict[str, CodeInfo] = {
         "It is damaged, or another version wrote it. The records beside it are the truth; it is only made from them.",
         "run mana assets ingest on the library again, which writes it anew",
     ),
+    "asset/missing-joint": CodeInfo(
+        "error",
+        "There is no such joint to move",
+        "The object is rigid, or no joint of that name moves on its own. Joints that follow another one move with it.",
+        "name a joint that the finding lists, or draw a rigid object without --joints",
+    ),
     "asset/report-unreadable": CodeInfo(
         "error",
         "The report of a library cannot be read",

@@ -329,6 +329,7 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/no-grasp": "tests/assetkit/affordances/test_find.py",
     "asset/grasp-not-held": "tests/assetkit/affordances/test_grasp_trials.py",
     "asset/catalog-unreadable": "tests/assetkit/library/test_search.py",
+    "asset/missing-joint": "tests/assetkit/library/test_animate_joints.py",
     "asset/report-unreadable": "tests/assetkit/batch/test_decisions.py",
     "asset/decided-by-person": "tests/assetkit/batch/test_decisions.py",
     "asset/decision-overruled": "tests/assetkit/batch/test_decisions.py",
