@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
-from numba.extending import overload  # pyright: ignore[reportUnknownVariableType] # Numba has no stubs
+from numba.extending import overload  # Numba has no stubs
 
 from schemas.arrays import FloatArray, IntArray
 from sim.dynamics import elementwise
