@@ -34,7 +34,7 @@ from simgap.search_result import SearchResult, baseline_of, extension_of, gain_b
 from simgap.whole_trials.check import check_whole_trials, confirmed
 from simgap.whole_trials.confidence_set import ConfidenceSet, confidence_set
 from simgap.whole_trials.judge import JudgedModel, judge
-from simgap.whole_trials.ladder import ladder_of
+from simgap.whole_trials.ladder import ladder_of, starts_up
 from simgap.whole_trials.policy import POLICY, Policy
 from simgap.whole_trials.score_test import Score
 from simgap.whole_trials.search_models import LEAST_SCORE, FittedModel, Growth, ModelSearch, search_models
@@ -64,7 +64,8 @@ def find_on_whole_trials(
     search = confirmed(judged, search, policy)
     models = confidence_set(search, policy)
     null, final = search.null.fit.model, search.chosen.fit.model
-    check = check_whole_trials(judged, null, final, (search.null.fit, search.chosen.fit), policy)
+    shown = tuple(starts_up(ladder.rungs, model, policy) for model in (null, final))
+    check = check_whole_trials(judged, null, final, (shown[0], shown[1]), policy)
     pairing = pairing_check(problem, final, trials.train)
     pairing_checks = [c for c in (others, pairing) if c is not None]
     timing = problem.timing_check()

@@ -20,7 +20,7 @@ from simgap.problem import Model, Term, TrialSystem
 from simgap.whole_trials.policy import Policy
 
 _DIFFERENCE = 1e-6  # of a parameter's range: larger ones separate what scales together
-_LARGEST_ERROR = 1e4  # noise levels beyond which an error counts no more: what is further off has diverged
+_LARGEST_ERROR = 1e8  # noise levels beyond which an error counts no more: what is further off has diverged
 _START_PRIOR = 1e-3  # precision that holds a start in place, in its steps: a start may be of no effect
 _DAMPING, _MOST_DAMPING, _TRIALS = 1e-3, 1e6, 6
 _SINGULAR = 1e-12

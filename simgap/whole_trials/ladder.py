@@ -47,10 +47,15 @@ def _rungs(system: TrialSystem, policy: Policy) -> tuple[TrialSystem, ...]:
 
 def starts_on(system: TrialSystem, model: Model, policy: Policy) -> ModelFit:
     """A model of given values on whole trials, its starts fitted up a ladder."""
+    return starts_up(_rungs(system, policy), model, policy)
+
+
+def starts_up(rungs: tuple[TrialSystem, ...], model: Model, policy: Policy) -> ModelFit:
+    """The same up these rungs."""
     starts: FloatArray | None = None
     places: dict[tuple[int, int], FloatArray] = {}
     fit: ModelFit | None = None
-    for rung in _rungs(system, policy):
+    for rung in rungs:
         starts = np.zeros_like(rung.start_steps) if fit is None else np.array([places[p] for p in rung.piece_starts])
         fit = fit_model(rung, model, starts, policy, fixed=True)
         places = dict(zip(rung.piece_starts, fit.starts, strict=True))

@@ -43,7 +43,7 @@ class Policy:
     explained: float = 3e-4
     noise_excess: float = 0.05
     noise_errors: float = 3.0
-    largest_excess: float = 1e4
+    largest_excess: float = 1e8
     least_share: float = 0.02
     most_effects: int = 3
     beam: int = 2

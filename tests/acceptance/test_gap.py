@@ -263,7 +263,8 @@ def test_an_interrupted_run_continues_with_what_was_finished(answered: tuple[Pat
     assert not list(tmp_path.rglob("*.bin"))
     rivals = {r.name: r.heldout for r in report(answered[1]).baselines}
     assert [r.name for r in resumed.baselines] == [n for n in rivals if n != "all_effects"]
-    assert rivals["all_effects"] < rivals["null_refit"]  # It may fit, but it names nothing.
+    assert rivals["black_box"] < rivals["null_refit"]  # On top of the named effect.
+    assert rivals["all_effects"] > rivals["black_box"]  # All at once fit worse than the one that acts.
 
 
 def test_a_stored_part_from_elsewhere_runs_nothing(tmp_path: Path):

@@ -27,7 +27,6 @@ from schemas.arrays import FloatArray
 from schemas.asset import AssetRecord
 from tests.support.present import present
 
-SHARED = Path(__file__).parents[3] / "shared" / "data" / "assets"
 MECHANISMS = {
     "faucet": "mjcf/libero_faucet_mjcf/faucet.xml",
     "oven": "mjcf/furniture_sim/oven.xml",  # sliding joints that follow hinges
@@ -46,6 +45,8 @@ Poses = dict[str, FloatArray]
 class Released:
     """A package, and the states at which it is compared: positions of all joints by their names in the package."""
 
+    source: Path
+    source_root: Path
     folder: Path
     record: AssetRecord
     states: tuple[dict[str, float], ...]
@@ -60,8 +61,8 @@ class Released:
 
 
 @pytest.fixture(scope="module", params=list(MECHANISMS))
-def package(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Released:
-    source = SHARED / MECHANISMS[request.param]
+def package(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, shared_assets: Path) -> Released:
+    source = shared_assets / MECHANISMS[request.param]
     out = tmp_path_factory.mktemp(request.param)
     command = [sys.executable, "-m", "cli.main", "assets", "ingest", str(source), "--out", str(out), "--jobs", "1"]
     subprocess.run(command, capture_output=True, timeout=100, check=False)
@@ -71,7 +72,13 @@ def package(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     record = AssetRecord.model_validate_json((folder / "record.json").read_bytes())
     rng = np.random.default_rng(7)
     joints = [joint.value for joint in record.physics.joints]
-    return Released(folder, record, tuple(state_of(joints, rng) for _ in range(STATES)))
+    return Released(
+        source,
+        shared_assets.joinpath(*Path(MECHANISMS[request.param]).parts[:2]),
+        folder,
+        record,
+        tuple(state_of(joints, rng) for _ in range(STATES)),
+    )
 
 
 def state_of(joints: list[dict], rng: np.random.Generator) -> dict[str, float]:
@@ -95,9 +102,8 @@ def relative(X_WL: Poses, root: str) -> Poses:
 
 def from_source(package: Released) -> Callable[[Positions], Poses]:
     """What a link moved by since rest, as the source has it, applied to its pose at rest in the package."""
-    source = SHARED / MECHANISMS[package.record.asset_id]
-    root = SHARED / source.relative_to(SHARED).parts[0] / source.relative_to(SHARED).parts[1]
-    description = (read_urdf if source.suffix == ".urdf" else read_mjcf)(source, root)
+    read_description = read_urdf if package.source.suffix == ".urdf" else read_mjcf
+    description = read_description(package.source, package.source_root)
     geometry, physics = package.record.geometry, package.record.physics
     X_AM = pose(matrix_of(np.array(geometry.source_quat_wxyz)), geometry.origin_offset_m)
     joints = [joint.value for joint in physics.joints]

@@ -20,12 +20,13 @@ from simgap.kinds.mechanism.logs import Log
 from simgap.kinds.mechanism.windows import Cut, windows_of
 from simgap.problem import Model
 
-_DIVERGED = 1e6  # noise levels
+_DIVERGED = 1e8  # noise levels
 _MOST_CACHED = 64  # maps of inputs and readings whose windows are kept
 _FINER_STEPS = 4.0  # than windows need: over whole trials at the plain step controls stay 8 % above the noise
 _FINER = 4  # rows in the place of one where inputs act between rows
 _FEWEST_ROWS = 16  # of a piece of a trial
 _GAP = 1.5  # median intervals; a longer one lacks a row
+_LEAST_NOISE = 0.3  # of the noise of smoothed readings
 _PLAIN = 4.0  # typical second differences of errors; larger ones are no plain noise
 _WILD = 6.0  # noise levels by which a single row leaves its neighbours
 _ROWS_AROUND = 2  # rows to either side that a wild row leaves
@@ -150,9 +151,11 @@ class MechanismTrials:
         """See `TrialSystem`: the noise from second differences, which what moves smoothly hardly changes."""
         errors = self.errors(model, starts[None])[0].reshape(self._readings.shape) * self.noise
         second = np.diff(errors, 2, axis=1)
-        typical = 1.4826 * np.nanmedian(np.abs(second), axis=(0, 1))
+        # Rounded readings of a joint that stands do not change: what smoothing leaves bounds the noise from below.
+        least = _LEAST_NOISE * self.noise
+        typical = np.maximum(1.4826 * np.nanmedian(np.abs(second), axis=(0, 1)), np.sqrt(6.0) * least)
         plain = np.where(np.abs(second) < _PLAIN * typical, second, np.nan)
-        noise = np.maximum(np.sqrt(np.nanmean(plain**2, axis=(0, 1)) / 6.0), 1e-3 * self.noise)
+        noise = np.maximum(np.sqrt(np.nanmean(plain**2, axis=(0, 1)) / 6.0), least)
         missing = self.missing.copy()
         for i, (trial, rows) in enumerate(self._cuts):
             if len(rows) <= 2 * _ROWS_AROUND:

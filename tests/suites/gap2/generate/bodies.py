@@ -13,7 +13,8 @@ import numba
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-FloatArray = np.ndarray
+from tests.suites.gap2.generate.arrays import Array
+
 GRAVITY = 9.81  # m/s2
 _LARGEST_STEP_S = 2e-3
 _GUST_HZ = 4.0
@@ -23,13 +24,13 @@ _GUST_HZ = 4.0
 class Box:
     """A box as its owner believes it: edges (3,) m, mass kg, friction with the board; `slides` flat, or flies."""
 
-    size_m: FloatArray
+    size_m: Array
     mass_kg: float
     mu: float
     slides: bool
 
     @property
-    def inertia_kgm2(self) -> FloatArray:
+    def inertia_kgm2(self) -> Array:
         """(3,) of an evenly filled box."""
         x, y, z = self.size_m**2
         return self.mass_kg / 12.0 * np.array([y + z, x + z, x + y])
@@ -55,7 +56,7 @@ class HiddenInBox:
     fading: float = 0.0  # share of friction that speed takes away
 
 
-def move(box: Box, hidden: HiddenInBox, t_s: FloatArray, start: FloatArray) -> FloatArray:
+def move(box: Box, hidden: HiddenInBox, t_s: Array, start: Array) -> Array:
     """Readings (r, rows, 13) at stamps (r, rows), from the readings (r, 13) at the first rows."""
     t = t_s / hidden.clock
     x = start.copy()
@@ -87,11 +88,11 @@ def move(box: Box, hidden: HiddenInBox, t_s: FloatArray, start: FloatArray) -> F
     return out
 
 
-def _rotation(quat_wxyz: FloatArray) -> Rotation:
+def _rotation(quat_wxyz: Array) -> Rotation:
     return Rotation.from_quat(np.roll(quat_wxyz, -1, axis=-1))
 
 
-def gravity_vector(hidden: HiddenInBox) -> FloatArray:
+def gravity_vector(hidden: HiddenInBox) -> Array:
     """(3,) m/s2 in the world."""
     return Rotation.from_rotvec([*hidden.tilt, 0.0]).apply([0.0, 0.0, -hidden.gravity])
 

@@ -9,12 +9,13 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
+from tests.suites.gap2.generate.arrays import Array
 from tests.suites.gap2.generate.parameters import Number
-from tests.suites.gap2.generate.plant import FloatArray, Plant
+from tests.suites.gap2.generate.plant import Plant
 from tests.suites.gap2.generate.power import Readings
 from tests.suites.gap2.generate.scenes import Recording
 
-Tables = Mapping[str, Mapping[str, FloatArray]]
+Tables = Mapping[str, Mapping[str, Array]]
 
 _JOINTS = (("main", "second", "third"), ("axis1", "axis2", "axis3"), ("shoulder", "elbow", "wrist"), ("a", "b", "c"))
 _STYLES = ("q_{0}", "{0}_pos", "{0}.position", "pos_{0}")
@@ -80,7 +81,7 @@ def written(
     plant: Plant, recording: Recording, readings: Readings, style: LogStyle, rng: np.random.Generator
 ) -> tuple[Tables, float]:
     """(tables of columns by trial id, the noise of positions that stays in them)."""
-    tables: dict[str, dict[str, FloatArray]] = {}
+    tables: dict[str, dict[str, Array]] = {}
     left = []
     for k, ((q, v), trial) in enumerate(zip(readings, recording.trials, strict=True)):
         t, inputs, supply = trial.stamps_s, trial.inputs, trial.supply[:, None]
@@ -115,14 +116,14 @@ def written(
     return tables, float(np.concatenate([e.ravel() for e in left]).std())
 
 
-def _errors(shape: tuple[int, ...], sigma: float, style: LogStyle, rng: np.random.Generator) -> FloatArray:
+def _errors(shape: tuple[int, ...], sigma: float, style: LogStyle, rng: np.random.Generator) -> Array:
     white = rng.normal(0.0, np.sqrt(max(sigma**2 - style.count**2 / 12.0, 0.01 * sigma**2)), shape)
     for k in range(1, len(white) if style.colour else 0):
         white[k] = style.colour * white[k - 1] + np.sqrt(1.0 - style.colour**2) * white[k]
     return white
 
 
-def _at(t: FloatArray, values: FloatArray, when: FloatArray) -> FloatArray:
+def _at(t: Array, values: Array, when: Array) -> Array:
     return np.asarray(CubicSpline(t, values, axis=0)(when))
 
 
@@ -133,7 +134,7 @@ def _low_pass(style: LogStyle):
     return lambda values: np.asarray(sosfiltfilt(sections, values, axis=0, padlen=min(len(values) - 1, 30)))
 
 
-def _means(t: FloatArray, held: FloatArray, when: FloatArray) -> FloatArray:
+def _means(t: Array, held: Array, when: Array) -> Array:
     """Means of held inputs from each new row to the next, so that their impulse stays."""
     ends = np.append(when, when[-1] + np.median(np.diff(when)))
     total = np.concatenate([np.zeros((1, held.shape[1])), np.cumsum(held[:-1] * np.diff(t)[:, None], axis=0)])
@@ -206,7 +207,7 @@ def _joint(plant: Plant, j: int, name: str) -> dict[str, object]:
     return joint | {"friction": short(numbers[Number.COULOMB]), "damping": short(numbers[Number.VISCOUS])}
 
 
-def csv_bytes(table: Mapping[str, FloatArray], names: Sequence[str]) -> bytes:
+def csv_bytes(table: Mapping[str, Array], names: Sequence[str]) -> bytes:
     """A table as a spreadsheet exports it: 9 significant digits, microseconds."""
     columns = [table[n] for n in names]
     formats = [("{:.6f}" if n == "t" else "{:.9g}").format for n in names]

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from tests.suites.gap2.generate import kernel
+from tests.suites.gap2.generate.arrays import Array
 from tests.suites.gap2.generate.parameters import NEUTRAL, Number
 
-FloatArray = np.ndarray
 GRAVITY = 9.81  # m/s2
 DRIVES = {"none": kernel.FREE, "effort": kernel.EFFORT, "position_pd": kernel.POSITION}
 _NANOSECONDS = 9  # decimals to which instants are merged
@@ -30,11 +30,11 @@ class Plant:
     drive: str
     slides: bool
     upright: bool  # feels gravity
-    inertia: FloatArray
-    mass: FloatArray
-    lever: FloatArray
-    offset_m: FloatArray
-    numbers: FloatArray
+    inertia: Array
+    mass: Array
+    lever: Array
+    offset_m: Array
+    numbers: Array
 
     @property
     def joints(self) -> int:
@@ -45,7 +45,7 @@ class Plant:
         """A believed number of a joint."""
         return float(self.numbers[joint, which])
 
-    def couplings(self) -> tuple[FloatArray, FloatArray]:
+    def couplings(self) -> tuple[Array, Array]:
         """A (n, n) kg m2 of absolute angles, and W (n, n) N m: the weight of link k on joint i, link hanging level."""
         n = self.joints
         A, W = np.zeros((n, n)), np.zeros((n, n))
@@ -59,7 +59,7 @@ class Plant:
         return A, W * (GRAVITY if self.upright else 0.0)
 
 
-def _settle(numbers: FloatArray) -> tuple[float, float, float]:
+def _settle(numbers: Array) -> tuple[float, float, float]:
     """(step, delay, latency) in s: the step that the fastest part of a joint allows, and filters too fast for any step.
 
     A filter that is faster than `_INSTANT_S` is late by its group delay and does nothing else; it leaves `numbers`.
@@ -83,7 +83,7 @@ def _settle(numbers: FloatArray) -> tuple[float, float, float]:
     return min((float(t) for t in times if t > 0.0), default=np.inf), float(late[0]), float(late[1])
 
 
-def believed_numbers(joints: int) -> FloatArray:
+def believed_numbers(joints: int) -> Array:
     """(n, Number): nothing but inertia and gravity."""
     numbers = np.zeros((joints, len(Number)))
     for which, value in NEUTRAL.items():
@@ -130,10 +130,10 @@ class Trial:
     supply (rows,) is relative to its nominal value; phase and load are the trial's own draws for shaking and payload.
     """
 
-    stamps_s: FloatArray
-    inputs: FloatArray
-    supply: FloatArray
-    start: FloatArray
+    stamps_s: Array
+    inputs: Array
+    supply: Array
+    start: Array
     phase: float
     load: float
 
@@ -145,13 +145,11 @@ class Segment:
     trial: int
     first: int
     last: int
-    start: FloatArray
+    start: Array
     from_s: float
 
 
-def observe(
-    plant: Plant, hidden: Hidden, trials: Sequence[Trial], step_s: float
-) -> list[tuple[FloatArray, FloatArray]]:
+def observe(plant: Plant, hidden: Hidden, trials: Sequence[Trial], step_s: float) -> list[tuple[Array, Array]]:
     """Noise-free readings of positions and rates (rows, n) of whole trials."""
     whole = [Segment(i, 0, len(t.stamps_s), t.start, 0.0) for i, t in enumerate(trials)]
     return read_segments(plant, hidden, trials, whole, step_s)
@@ -159,7 +157,7 @@ def observe(
 
 def read_segments(
     plant: Plant, hidden: Hidden, trials: Sequence[Trial], segments: Sequence[Segment], step_s: float
-) -> list[tuple[FloatArray, FloatArray]]:
+) -> list[tuple[Array, Array]]:
     """Readings (rows, n) and their rates by segment."""
     n, joint = plant.joints, hidden.joint
     numbers = plant.numbers.copy()

@@ -10,13 +10,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from tests.suites.gap2.generate.plant import FloatArray, Hidden, Plant, Segment, Trial, observe, read_segments
+from tests.suites.gap2.generate.arrays import Array
+from tests.suites.gap2.generate.plant import Hidden, Plant, Segment, Trial, observe, read_segments
 
 LEVELS = {"medium": 0.48, "large": 1.33, "gross": 6.6}
 NEAR = 0.05  # relative miss of the level that is good enough
 _ROUNDS = 16
 
-Readings = Sequence[tuple[FloatArray, FloatArray]]
+Readings = Sequence[tuple[Array, Array]]
 
 
 def miss(
@@ -28,14 +29,14 @@ def miss(
 
 def miss_by_trial(
     plant: Plant, readings: Readings, trials: Sequence[Trial], sigma: float, horizon_s: float, step_s: float
-) -> FloatArray:
+) -> Array:
     """(trials,) sums of squares of the same errors."""
     return np.array([s.sum() for s in _squares(plant, readings, trials, sigma, horizon_s, step_s)])
 
 
 def _squares(
     plant: Plant, readings: Readings, trials: Sequence[Trial], sigma: float, horizon_s: float, step_s: float
-) -> list[FloatArray]:
+) -> list[Array]:
     """Squared errors by trial, in units of 2 sigma^2."""
     segments = []
     for i, ((q, v), trial) in enumerate(zip(readings, trials, strict=True)):
@@ -48,7 +49,7 @@ def _squares(
                 Segment(i, first, min(last + 1, len(t)), np.concatenate([q[first], v[first]]), float(t[first]))
             )
     predicted = read_segments(plant, Hidden(), trials, segments, step_s)
-    squares: list[list[FloatArray]] = [[] for _ in trials]
+    squares: list[list[Array]] = [[] for _ in trials]
     for s, (p, _) in zip(segments, predicted, strict=True):
         error = (p - readings[s.trial][0][s.first : s.last])[1:] / sigma
         squares[s.trial].append(0.5 * error.ravel() ** 2)

@@ -13,9 +13,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from tests.suites.gap2.generate.arrays import Array
 from tests.suites.gap2.generate.causes import LIBRARY, Where
 from tests.suites.gap2.generate.parameters import Number
-from tests.suites.gap2.generate.plant import FloatArray, Hidden, Plant, Segment, Trial, read_segments
+from tests.suites.gap2.generate.plant import Hidden, Plant, Segment, Trial, read_segments
 from tests.suites.gap2.generate.power import Readings, miss_by_trial
 from tests.suites.gap2.generate.scenes import Recording
 
@@ -35,7 +36,7 @@ _STEP = 1e-3
 _DIVERGED = 1e12  # noise levels per unit
 _COARSER = 3.0  # steps than the truth's
 
-Values = FloatArray
+Values = Array
 Make = Callable[[Plant, Values], Hidden]
 ReadingsAt = Callable[[float, Sequence[Trial]], Readings]
 
@@ -171,8 +172,8 @@ class _Fit:
 
     x: Values
     shares: Values
-    starts: Sequence[FloatArray]
-    errors: Sequence[FloatArray]
+    starts: Sequence[Array]
+    errors: Sequence[Array]
     cost: float
 
 
@@ -192,7 +193,7 @@ class _Refit:
         self.share = share
         self.sigma = recording.sigma / np.sqrt(weight)  # these trials stand for all
         self.parts: list[tuple[int, int, int]] = []
-        self.starts: list[FloatArray] = []
+        self.starts: list[Array] = []
         span = max(_SEGMENT_S, 2.0 * recording.period_s)
         for i, (trial, (q, v)) in enumerate(zip(trials, readings, strict=True)):
             t = trial.stamps_s
@@ -228,7 +229,7 @@ class _Refit:
         shown += [Number.KP, Number.KD] if plant.drive == "position_pd" else []
         return [inertia, *(number(w) for w in shown if plant.number(joint, w) != 0.0)]
 
-    def readings(self, make: Make, x: Values, shares: Values, starts: Sequence[FloatArray]) -> list[FloatArray]:
+    def readings(self, make: Make, x: Values, shares: Values, starts: Sequence[Array]) -> list[Array]:
         """Predicted readings by segment."""
         plant = self.where.plant
         for change, share in zip(self.nuisances, shares, strict=False):
@@ -242,19 +243,19 @@ class _Refit:
         ]
         return [q for q, _ in read_segments(plant, hidden, self.trials, segments, _COARSER * self.recording.step_s)]
 
-    def errors(self, make: Make, x: Values, shares: Values, starts: Sequence[FloatArray]) -> list[FloatArray]:
+    def errors(self, make: Make, x: Values, shares: Values, starts: Sequence[Array]) -> list[Array]:
         """Prediction minus truth by segment, raveled, in noise levels."""
         predicted = self.readings(make, x, shares, starts)
         return [((p - t) / self.sigma).ravel() for p, t in zip(predicted, self.truth, strict=True)]
 
     def jacobian(
-        self, make: Make, x: Values, shares: Values, starts: Sequence[FloatArray], at: Sequence[FloatArray]
-    ) -> tuple[list[list[FloatArray]], list[list[FloatArray]]]:
+        self, make: Make, x: Values, shares: Values, starts: Sequence[Array], at: Sequence[Array]
+    ) -> tuple[list[list[Array]], list[list[Array]]]:
         """Columns by segment of the shared values (x, then nuisances) and of the segment's own start."""
-        shared: list[list[FloatArray]] = [[] for _ in self.parts]
-        by_start: list[list[FloatArray]] = [[] for _ in self.parts]
+        shared: list[list[Array]] = [[] for _ in self.parts]
+        by_start: list[list[Array]] = [[] for _ in self.parts]
 
-        def add(to: list[list[FloatArray]], ahead: Sequence[FloatArray], behind: Sequence[FloatArray]) -> None:
+        def add(to: list[list[Array]], ahead: Sequence[Array], behind: Sequence[Array]) -> None:
             for columns, a, b in zip(to, ahead, behind, strict=True):
                 columns.append((a - b) / (2.0 * _STEP))
 
@@ -272,12 +273,12 @@ class _Refit:
                 columns.append((a - b) / 1e-4)
         return shared, by_start
 
-    def carried(self, fit: _Fit, to: _Refit, grown: float) -> tuple[Values, Values, list[FloatArray]]:
+    def carried(self, fit: _Fit, to: _Refit, grown: float) -> tuple[Values, Values, list[Array]]:
         """Values and starts of a fit here, carried over to readings with `grown` times the strength."""
         starts = [b + grown * (s - a) for s, a, b in zip(fit.starts, self.starts, to.starts, strict=True)]
         return grown * fit.x, grown * fit.shares, starts
 
-    def best(self, make: Make, count: int, begin: tuple[Values, Values, list[FloatArray]] | None = None) -> _Fit:
+    def best(self, make: Make, count: int, begin: tuple[Values, Values, list[Array]] | None = None) -> _Fit:
         """The best refit; priors of the nuisances count as errors."""
         x, shares, starts = begin or (np.zeros(count), np.zeros(self.count), list(self.starts))
         n = self.where.plant.joints
@@ -316,7 +317,7 @@ class _Refit:
         signal, basis = _projected(at, shares, shared, by_start)
         explained = {}
         for name, (make, count) in makers.items():
-            columns: list[list[FloatArray]] = [[] for _ in self.parts]
+            columns: list[list[Array]] = [[] for _ in self.parts]
             for step in _STEP * np.eye(count):
                 ahead, behind = self.errors(make, step, shares, starts), self.errors(make, -step, shares, starts)
                 for part, a, b in zip(columns, ahead, behind, strict=True):
@@ -330,13 +331,13 @@ class _Refit:
         return best[:_MOST_REFITTED]
 
 
-def _cost(errors: Sequence[FloatArray], shares: Values) -> float:
+def _cost(errors: Sequence[Array], shares: Values) -> float:
     if any(not np.isfinite(e).all() or np.abs(e).max() > _DIVERGED for e in errors):
         return np.inf
     return sum(float(e @ e) for e in errors) + float(((shares / TOLERANCE) ** 2).sum())
 
 
-def _free_of_starts(by_start: Sequence[Sequence[FloatArray]], values: Sequence[FloatArray]) -> FloatArray:
+def _free_of_starts(by_start: Sequence[Sequence[Array]], values: Sequence[Array]) -> Array:
     """Values by segment, each without what its own start explains, in one array."""
     out = []
     for columns, value in zip(by_start, values, strict=True):
@@ -345,7 +346,7 @@ def _free_of_starts(by_start: Sequence[Sequence[FloatArray]], values: Sequence[F
     return np.concatenate(out)
 
 
-def _projected(at, shares: Values, shared, by_start) -> tuple[FloatArray, FloatArray]:
+def _projected(at, shares: Values, shared, by_start) -> tuple[Array, Array]:
     """The errors without starts and nuisances, and an orthonormal basis of the nuisances; priors are the last rows."""
     count = len(shares)
     columns = [
@@ -357,12 +358,12 @@ def _projected(at, shares: Values, shared, by_start) -> tuple[FloatArray, FloatA
     return signal - basis @ (basis.T @ signal), basis
 
 
-def _without(by_start, values: Sequence[FloatArray], basis: FloatArray) -> FloatArray:
+def _without(by_start, values: Sequence[Array], basis: Array) -> Array:
     value = np.concatenate([_free_of_starts(by_start, values), np.zeros(basis.shape[1])])
     return value - basis @ (basis.T @ value)
 
 
-def gauss_newton(shared, by_start, at, shares: Values, count: int) -> tuple[Values, list[FloatArray]]:
+def gauss_newton(shared, by_start, at, shares: Values, count: int) -> tuple[Values, list[Array]]:
     """Step of the shared values and of each segment's start (in its own sizes)."""
     total = len(shared[0])
     rows, right = [], []

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tests.suites.gap2.generate.arrays import Array
 from tests.suites.gap2.generate.parameters import Number
 from tests.suites.gap2.generate.plant import (
-    FloatArray,
     Hidden,
     Plant,
     Trial,
@@ -163,7 +163,7 @@ def sizes_of(plant: Plant, recording: Recording, joint: int) -> Sizes:
 _DRIVES = {"": "none", "effort": "effort", "servo": "position_pd"}
 
 
-def _stamps(length_s: float, rate: float, jitter: float, dropped: float, rng: np.random.Generator) -> FloatArray:
+def _stamps(length_s: float, rate: float, jitter: float, dropped: float, rng: np.random.Generator) -> Array:
     rows = max(int(length_s * rate), 30)
     t = _LEAD_S + (np.arange(rows) + np.clip(rng.normal(0.0, jitter, rows), -0.3, 0.3)) / rate
     written = rng.random(rows) >= dropped
@@ -171,15 +171,13 @@ def _stamps(length_s: float, rate: float, jitter: float, dropped: float, rng: np
     return np.round(t[written], 6)  # as a file holds them: the mechanism's inputs change at the same instants
 
 
-def _supply(t: FloatArray, rng: np.random.Generator) -> FloatArray:
+def _supply(t: Array, rng: np.random.Generator) -> Array:
     """Relative supply voltage: falls within a trial, from another level in each."""
     knots = np.cumsum(rng.normal(-0.01, 0.04, 8)) + rng.uniform(-0.1, 0.02)
     return np.clip(1.0 + np.interp(t, np.linspace(t[0], t[-1], 8), knots), 0.6, 1.1)
 
 
-def _excitation(
-    plant: Plant, period_s: float, t: FloatArray, rng: np.random.Generator
-) -> tuple[FloatArray, FloatArray]:
+def _excitation(plant: Plant, period_s: float, t: Array, rng: np.random.Generator) -> tuple[Array, Array]:
     """Inputs (rows, n) and the start (2 n,) at time 0."""
     n, pace = plant.joints, 2.0 * np.pi / period_s
     inputs = np.zeros((len(t), n))

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from tests.suites.gap2.generate.arrays import Array
 from tests.suites.gap2.generate.bodies import GRAVITY, Box, HiddenInBox, move
 from tests.suites.gap2.generate.cases import ROUND, SEED, CaseFiles, family_of
 from tests.suites.gap2.generate.logs import csv_bytes
-from tests.suites.gap2.generate.plant import FloatArray
 from tests.suites.gap2.generate.power import LEVELS, strength_for
 from tests.suites.gap2.generate.rivals import CLOSE, SAME, gauss_newton
 from tests.suites.gap2.generate.truth import Family, HiddenEffect, Truth
@@ -23,7 +23,7 @@ _NAMES = ("px", "py", "pz", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy"
 _CONTROLS = ("none", "nuisance", "noise")
 _ROUNDS = 6
 _TRIALS_REFITTED, _ROWS_REFITTED = 6, 60  # of which rivals are refitted; noncentralities are scaled to all
-Make = Callable[[FloatArray, Box], HiddenInBox]
+Make = Callable[[Array, Box], HiddenInBox]
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class TossCause:
 
     name: str
     slides: bool | None
-    make: Callable[[float, FloatArray, Box], HiddenInBox]
+    make: Callable[[float, Array, Box], HiddenInBox]
     checked: Callable[[HiddenInBox], Mapping[str, float]] = lambda hidden: {}
     most: float = 1.0
 
@@ -125,7 +125,7 @@ _RIVALS: dict[str, tuple[Make, int, bool | None]] = {
 }
 
 
-def _vector(values: FloatArray) -> tuple[float, float, float]:
+def _vector(values: Array) -> tuple[float, float, float]:
     return float(values[0]), float(values[1]), float(values[2])
 
 
@@ -134,20 +134,20 @@ class _Tracked:
     """Stamps (r, rows), starts (r, 13) and noise of position (m) and rotation (rad)."""
 
     box: Box
-    t_s: FloatArray
-    start: FloatArray
+    t_s: Array
+    start: Array
     sigma_m: float
     sigma_rad: float
     rate_hz: float
 
-    def errors(self, a: FloatArray, b: FloatArray) -> FloatArray:
+    def errors(self, a: Array, b: Array) -> Array:
         """(r, rows, 6) in noise levels: positions, rotation vectors."""
         turn = Rotation.from_quat(np.roll(a[..., 3:7].reshape(-1, 4), -1, axis=1)).inv()
         turn = turn * Rotation.from_quat(np.roll(b[..., 3:7].reshape(-1, 4), -1, axis=1))
         turned = turn.as_rotvec().reshape(*a.shape[:2], 3)
         return np.concatenate([(a[..., :3] - b[..., :3]) / self.sigma_m, turned / self.sigma_rad], axis=2)
 
-    def miss(self, readings: FloatArray, horizon_s: float) -> float:
+    def miss(self, readings: Array, horizon_s: float) -> float:
         """Noise levels by which belief misses positions and rotations when restarted every `horizon_s`."""
         window = readings.shape[1] if np.isinf(horizon_s) else max(2, round(horizon_s * self.rate_hz) + 1)
         firsts = range(0, readings.shape[1] - window + 1, window - 1)
@@ -231,7 +231,7 @@ def _chosen(family: Family, turn: int) -> tuple[list[TossCause], bool, str, str]
     return [cause], slides, levels[(turn + turn // len(_LIBRARY)) % 2], ""
 
 
-def _way(rng: np.random.Generator) -> FloatArray:
+def _way(rng: np.random.Generator) -> Array:
     way = rng.normal(size=3)
     return way / np.linalg.norm(way)
 
@@ -268,7 +268,7 @@ def _drawn(slides: bool, rng: np.random.Generator) -> _Tracked:
     return _Tracked(box, t, start, sigma, float(rng.uniform(2e-3, 8e-3)), rate)
 
 
-def _labelled(truth: Truth, tracked: _Tracked, readings: FloatArray) -> Truth:
+def _labelled(truth: Truth, tracked: _Tracked, readings: Array) -> Truth:
     """The truth with what else explains the readings: best refits with free starts, of some trials and rows."""
     every = max(1, readings.shape[1] // _ROWS_REFITTED)
     share = len(readings) / min(len(readings), _TRIALS_REFITTED) * every
@@ -292,11 +292,11 @@ def _labelled(truth: Truth, tracked: _Tracked, readings: FloatArray) -> Truth:
     )
 
 
-def _left(make: Make, count: int, tracked: _Tracked, readings: FloatArray) -> float:
+def _left(make: Make, count: int, tracked: _Tracked, readings: Array) -> float:
     """Squared noise levels that the best refit of a rival leaves."""
     x, start = np.zeros(count), readings[:, 0].copy()
 
-    def errors(x: FloatArray, start: FloatArray) -> list[FloatArray]:
+    def errors(x: Array, start: Array) -> list[Array]:
         moved = move(tracked.box, make(x, tracked.box), tracked.t_s, start)
         return [e.ravel() for e in tracked.errors(moved, readings)]
 
@@ -304,12 +304,12 @@ def _left(make: Make, count: int, tracked: _Tracked, readings: FloatArray) -> fl
     cost = sum(float(e @ e) for e in at)
     free = [0, 1, 6, 7] if tracked.box.slides else list(range(12))  # of `_shifted`
     for _ in range(_ROUNDS):
-        shared: list[list[FloatArray]] = [[] for _ in at]
+        shared: list[list[Array]] = [[] for _ in at]
         for k in range(count):
             step = 1e-4 * (np.arange(count) == k)
             for columns, a, b in zip(shared, errors(x + step, start), at, strict=True):
                 columns.append((a - b) / 1e-4)
-        by_start: list[list[FloatArray]] = [[] for _ in at]
+        by_start: list[list[Array]] = [[] for _ in at]
         for k in free:
             moved = _shifted(start, 1e-5 * (np.arange(12) == k))
             for columns, a, b in zip(by_start, errors(x, moved), at, strict=True):
@@ -328,7 +328,7 @@ def _left(make: Make, count: int, tracked: _Tracked, readings: FloatArray) -> fl
     return cost
 
 
-def _shifted(start: FloatArray, by: FloatArray) -> FloatArray:
+def _shifted(start: Array, by: Array) -> Array:
     """Starts moved by position, rotation vector, velocity and angular velocity ((12,) or (r, 12))."""
     by = by + np.zeros((len(start), 12))
     out = start.copy()
@@ -340,7 +340,7 @@ def _shifted(start: FloatArray, by: FloatArray) -> FloatArray:
     return out
 
 
-def _files(truth: Truth, tracked: _Tracked, readings: FloatArray, rng: np.random.Generator) -> CaseFiles:
+def _files(truth: Truth, tracked: _Tracked, readings: Array, rng: np.random.Generator) -> CaseFiles:
     box, with_rates, declares = tracked.box, bool(rng.random() < 0.5), bool(rng.random() < 0.5)
     dropped = float(rng.choice([0.0, 0.0, 0.02]))
     files = {}
@@ -388,5 +388,5 @@ def _files(truth: Truth, tracked: _Tracked, readings: FloatArray, rng: np.random
     return CaseFiles(files, replace(truth, measurement=measurement, log=log))
 
 
-def _short(values: Sequence[float] | FloatArray) -> list[float]:
+def _short(values: Sequence[float] | Array) -> list[float]:
     return [float(f"{v:.9g}") for v in values]
