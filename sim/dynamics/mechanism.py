@@ -119,10 +119,10 @@ def _compiled_rollout() -> Any:
     if os.environ.get("MANA_COMPILED") == "0":
         return None
     try:
-        from sim.dynamics import compiled_rollout
+        from sim.dynamics.compiled import rollout as compiled
     except ImportError:
         return None
-    return compiled_rollout
+    return compiled
 
 
 def rollout_in_numpy(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from schemas.arrays import FloatArray
-from sim.dynamics import compiled_rollout
+from sim.dynamics.compiled.inputs import MOST_LAWS
 from sim.dynamics.hooks import StepHook
 from sim.dynamics.mechanism import SUPPLY, Drive, Law, MechanismModel, Windows, rollout, rollout_in_numpy
 from sim.dynamics.tree import Link, Tree
@@ -114,6 +114,6 @@ def test_laws_with_load_and_memory_agree_beside_one_another_in_a_chain() -> None
 
 def test_more_laws_than_the_kernel_holds_run_in_numpy() -> None:
     spring = next(e for e in STEP_EFFECTS if e.name == "joint.spring")
-    laws = [law_of(spring, 0)] * (compiled_rollout.MOST_LAWS + 1)
+    laws = [law_of(spring, 0)] * (MOST_LAWS + 1)
     compiled, plain = both(TREES["hinge and slide"], "none", laws)
     np.testing.assert_array_equal(compiled, plain)

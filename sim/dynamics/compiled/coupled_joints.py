@@ -1,337 +1,42 @@
-"""Roll-outs of mechanisms compiled for the processor: one world at a time, the steps of `sim.dynamics.mechanism`.
+"""The kernel of chains and trees: planar chains in complex numbers, other trees by recursive Newton and Euler.
 
-Input and output are those of `mechanism.rollout`, whose NumPy form is the reference and the fallback. Laws of effects
-are called through function pointers of one signature, so that a new effect needs no change here. Compiled code is
-cached on disk by Numba, beside each source file.
+All in one file, because the cache of compiled code looks at the file of a function alone.
 """
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Sequence
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numba
 import numpy as np
-from numba.extending import overload  # Numba has no stubs
 
-from schemas.arrays import FloatArray, IntArray
-from sim.dynamics import elementwise
-from sim.dynamics.hooks import EffortMap, JointFriction, JointState, JointTorque, StepHook, StepLaw
-from sim.dynamics.joint_dynamics import CoupledJoints, PlanarChain, SeparateJoints, joint_dynamics
+from sim.dynamics.compiled.inputs import (
+    EFFORT_DRIVE,
+    EFFORT_LAW,
+    FRICTION_LAW,
+    LARGEST_RATE,
+    PD_DRIVE,
+    TORQUE_LAW,
+    Inputs,
+    jit,
+)
+from sim.dynamics.hooks import JointState
 
-if TYPE_CHECKING:
-    from sim.dynamics.mechanism import Law, MechanismModel, Windows
-
-MOST_LAWS = 8  # that one roll-out may hold: the kernel is compiled for a fixed number of pointers
-_MOST_VALUES, _MOST_MEMORY = 8, 64  # parameters and remembered numbers of a law
+PLANAR, TREE = 1, 2  # forms of the dynamics
 _SWEEPS = 12  # of friction impulses over the joints, as in `joint_dynamics`
-_LARGEST_RATE = 1e4  # as in `mechanism`
-_NONE, _EFFORT, _PD = 0, 1, 2
-_EFFORT_LAW, _TORQUE_LAW, _FRICTION_LAW = 1, 2, 3
-_PLANAR, _TREE = 1, 2
-_DRIVES = {"none": _NONE, "effort": _EFFORT, "position_pd": _PD}
-_KINDS = {EffortMap: _EFFORT_LAW, JointTorque: _TORQUE_LAW, JointFriction: _FRICTION_LAW}
-
-warnings.filterwarnings("ignore", category=numba.NumbaExperimentalFeatureWarning)
-_STATE = numba.types.NamedUniTuple(numba.float64, len(JointState._fields), JointState)
-_LAW = numba.float64(_STATE, numba.float64[::1], numba.float64[::1])
 
 
-@overload(elementwise.where)
-def _where(condition: Any, one: Any, other: Any) -> Callable[..., Any]:
-    def choose(condition: Any, one: Any, other: Any) -> Any:
-        return one if condition else other
-
-    return choose
-
-
-def _no_law(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
-    """Fills the places of laws that a roll-out lacks."""
-    return 0.0
-
-
-@cache
-def _compiled(law: StepLaw) -> Any:
-    return numba.njit(_LAW, cache=True, error_model="numpy")(law)
-
-
-def rollout(
-    model: MechanismModel, windows: Windows, laws: Sequence[Law], steps: IntArray, typical_s: FloatArray, supply: str
-) -> tuple[FloatArray, FloatArray]:
-    """Positions and rates (w, k, j) of windows whose intervals have `steps` (k - 1,) of about `typical_s` / steps."""
-    worlds, stamps = windows.t_s.shape
-    joints = len(model.tree)
-    drive = model.drive
-    none = np.zeros((0, 0, 0))
-    values, memory = np.zeros((MOST_LAWS, _MOST_VALUES)), np.zeros((MOST_LAWS, _MOST_MEMORY))
-    kinds, places = np.zeros(MOST_LAWS, dtype=np.int64), np.zeros(MOST_LAWS, dtype=np.int64)
-    for i, law in enumerate(laws):
-        hook = law.hook
-        assert isinstance(hook, EffortMap | JointTorque | JointFriction)
-        values[i, : len(hook.names)] = [law.params[name] for name in hook.names]
-        memory[i, : hook.memory] = np.nan
-        kinds[i], places[i] = _KINDS[type(hook)], law.joint
-    pointers = tuple(
-        _compiled(law.hook.law) for law in laws if isinstance(law.hook, EffortMap | JointTorque | JointFriction)
-    )
-    pointers += (_compiled(_no_law),) * (MOST_LAWS - len(laws))
-    by_load = any(isinstance(law.hook, JointFriction) and law.hook.by_load for law in laws)
-    friction = (kinds == _FRICTION_LAW).any() or bool(model.friction.any())
-    volts = windows.aux.get(supply)
-    form = joint_dynamics(model.tree, model.gravity_W)
-    inputs = (
-        np.ascontiguousarray(windows.t_s, dtype=float),
-        steps.astype(np.int64),
-        np.ascontiguousarray(typical_s, dtype=float),
-        np.ascontiguousarray(windows.q0, dtype=float),
-        np.ascontiguousarray(windows.qd0, dtype=float),
-        _inputs(windows.command, windows.effort, drive.type, none),
-        _DRIVES[drive.type] if _has_input(windows, drive.type) else _NONE,
-        np.broadcast_to(np.asarray(drive.kp, dtype=float), joints).copy(),
-        np.broadcast_to(np.asarray(drive.kd, dtype=float), joints).copy(),
-        float(drive.effort_per_unit),
-        np.inf if drive.effort_limit is None else float(drive.effort_limit),
-        np.full((worlds, stamps), np.nan) if volts is None else np.ascontiguousarray(volts, dtype=float),
-        np.broadcast_to(np.asarray(model.friction, dtype=float), joints).copy(),
-        np.broadcast_to(np.asarray(model.damping, dtype=float), joints).copy(),
-        pointers,
-        kinds,
-        places,
-        values,
-        memory,
-        bool(by_load),
-        bool(friction),
-    )
-    if isinstance(form, SeparateJoints):
-        remembers = any(law.hook.memory for law in laws if isinstance(law.hook, StepHook))
-        return _roll_separate(*inputs, remembers, _separate_numbers(form))
-    return _roll(*inputs, *_numbers(form, joints))
-
-
-def _has_input(windows: Windows, drive_type: str) -> bool:
-    return (windows.effort if drive_type == "effort" else windows.command) is not None
-
-
-def _inputs(command: FloatArray | None, effort: FloatArray | None, drive_type: str, none: FloatArray) -> FloatArray:
-    chosen = effort if drive_type == "effort" else command
-    return none if chosen is None else np.ascontiguousarray(chosen, dtype=float)
-
-
-def _separate_numbers(form: SeparateJoints) -> FloatArray:
-    """(9, j) inertia, gravity's effort (level, along, across), and the terms of the bearing load."""
-    rows = (form.inertia, form.level, form.along, form.across, form.weight2, *form.pull, form.spin)
-    return np.array(rows, dtype=float)
-
-
-def _numbers(form: Any, joints: int) -> tuple[int, Any, Any]:
-    """The form of the dynamics, and its numbers: a planar chain, a tree."""
-    places = np.zeros(joints, dtype=complex), np.zeros(joints)  # for directions and squared rates of links
-    planar = (
-        np.zeros((5, joints)),
-        np.zeros((2, joints, joints), dtype=complex),
-        np.zeros(joints, dtype=complex),
-        0j,
-        0.0,
-        *places,
-    )
-    tree = (
-        np.zeros(joints, dtype=np.int64),
-        np.zeros(joints, dtype=np.bool_),
-        np.zeros((joints, 3)),
-        np.zeros((joints, 3, 3)),
-        np.zeros((joints, 3)),
-        np.zeros((3, joints)),
-        np.zeros((joints, 3)),
-        np.zeros((joints, 3, 3)),
-        np.zeros(3),
-    )
-    if isinstance(form, PlanarChain):
-        rows = (form.zero, form.turning, form.armature, form.outboard_mass, np.zeros(joints))
-        matrices = np.ascontiguousarray(np.stack([form.coupled, form.outboard]))
-        numbers = (np.array(rows, dtype=float), matrices, form.weight, complex(form.gravity), form.gravity_y, *places)
-        return _PLANAR, numbers, tree
-    assert isinstance(form, CoupledJoints)
-    links = form.tree
-    numbers = (
-        np.array([link.parent for link in links], dtype=np.int64),
-        np.array([link.prismatic for link in links], dtype=np.bool_),
-        np.array([link.axis_J for link in links], dtype=float),
-        np.array([link.X_PJ[:3, :3] for link in links], dtype=float),
-        np.array([link.X_PJ[:3, 3] for link in links], dtype=float),
-        np.array([[link.mass_kg, link.armature, link.gravity_factor] for link in links], dtype=float).T.copy(),
-        np.array([link.com_J for link in links], dtype=float),
-        np.array([link.inertia_J for link in links], dtype=float),
-        np.asarray(form.gravity_W, dtype=float).copy(),
-    )
-    return _TREE, planar, numbers
-
-
-def _jit(function: Callable[..., Any]) -> Any:
-    return numba.njit(cache=True, error_model="numpy")(function)
-
-
-@_jit
-def _roll_separate(
-    t_s: Any,
-    steps: Any,
-    typical_s: Any,
-    q0: Any,
-    qd0: Any,
-    inputs: Any,
-    drive: Any,
-    kp: Any,
-    kd: Any,
-    per_unit: Any,
-    limit: Any,
-    volts: Any,
-    dry: Any,
-    damping: Any,
-    laws: Any,
-    kinds: Any,
-    places: Any,
-    values: Any,
-    fresh: Any,
-    by_load: Any,
-    has_friction: Any,
-    remembers: Any,
-    separate: Any,
-) -> Any:
-    """Joints that do nothing to one another: one joint of one world at a time, in scalars."""
-    worlds, stamps = t_s.shape
-    joints = q0.shape[1]
-    Q, QD = np.empty((worlds, stamps, joints)), np.empty((worlds, stamps, joints))
-    memory, trial = fresh.copy(), fresh.copy()
-    for j in range(joints):
-        # Laws of this joint in their order, by kind; the rest of each list is unused.
-        order = np.empty(len(kinds), dtype=np.int64)
-        ends = np.zeros(4, dtype=np.int64)
-        count = 0
-        for kind in (_EFFORT_LAW, _TORQUE_LAW, _FRICTION_LAW):
-            for i in range(len(kinds)):
-                if kinds[i] == kind and places[i] == j:
-                    order[count] = i
-                    count += 1
-            ends[kind] = count
-        numbers = separate[:, j].copy()
-        for w in range(worlds):
-            q, qd = q0[w, j], qd0[w, j]
-            memory[:] = fresh
-            Q[w, 0, j], QD[w, 0, j] = q, qd
-            for k in range(stamps - 1):
-                h = (t_s[w, k + 1] - t_s[w, k]) / steps[k]
-                dt_s = typical_s[k] / steps[k]
-                half = 0.5 * h
-                given = inputs[w, k, j] if drive != _NONE else 0.0
-                volt = volts[w, k]
-                for s in range(steps[k]):
-                    q += half * qd
-                    now = t_s[w, k] + (s + 0.5) * h
-                    if drive == _PD:
-                        value = (kp[j] * (given - q) - kd[j] * qd) * per_unit
-                        commanded = np.minimum(np.maximum(value, -limit), limit)
-                        if remembers:
-                            trial[:] = memory
-                        ahead = _kick_separate(
-                            q, qd, commanded, now, h, dt_s, volt, dry[j], damping[j], laws, order, ends, values,
-                            trial, by_load, has_friction, numbers,
-                        )  # fmt: skip
-                        value = (kp[j] * (given - q) - kd[j] * (0.5 * (qd + ahead))) * per_unit
-                    elif drive == _EFFORT:
-                        value = given * per_unit
-                    else:
-                        value = 0.0
-                    commanded = np.minimum(np.maximum(value, -limit), limit)
-                    qd = _kick_separate(
-                        q, qd, commanded, now, h, dt_s, volt, dry[j], damping[j], laws, order, ends, values, memory,
-                        by_load, has_friction, numbers,
-                    )  # fmt: skip
-                    q += half * qd
-                Q[w, k + 1, j], QD[w, k + 1, j] = q, qd
-    return Q, QD
-
-
-@_jit
-def _kick_separate(
-    q: Any,
-    qd: Any,
-    effort: Any,
-    t_s: Any,
-    h: Any,
-    dt_s: Any,
-    volts: Any,
-    dry: Any,
-    damping: Any,
-    laws: Any,
-    order: Any,
-    ends: Any,
-    values: Any,
-    memory: Any,
-    by_load: Any,
-    has_friction: Any,
-    numbers: Any,
-) -> Any:
-    """The rate of a joint after one step: the step of `mechanism._Forces.kick` for one joint."""
-    nan = np.nan
-    for n in range(ends[_EFFORT_LAW]):
-        i = order[n]
-        effort = laws[i](JointState(t_s, q, qd, effort, dt_s, nan, nan, nan, volts), values[i], memory[i])
-    net = effort - numbers[1]
-    turns = numbers[2] != 0.0 or numbers[3] != 0.0 or by_load
-    cosine, sine = (np.cos(q), np.sin(q)) if turns else (0.0, 0.0)
-    if turns:
-        net = effort - (numbers[1] + numbers[2] * cosine + numbers[3] * sine)
-    for n in range(ends[_EFFORT_LAW], ends[_TORQUE_LAW]):
-        i = order[n]
-        net += laws[i](JointState(t_s, q, qd, effort, dt_s, nan, nan, nan, volts), values[i], memory[i])
-    heavy = numbers[0] + h * damping
-    out = (numbers[0] * qd + h * net) / heavy
-    if has_friction:
-        load = nan
-        if by_load:
-            rate2 = qd * qd
-            inward = numbers[5] + numbers[6] * cosine + numbers[7] * sine
-            load = np.sqrt(np.maximum(numbers[4] - 2.0 * rate2 * inward + (numbers[8] * rate2) ** 2, 0.0))
-        largest = dry
-        for n in range(ends[_TORQUE_LAW], ends[_FRICTION_LAW]):
-            i = order[n]
-            direction = -1.0 if out < -1e-9 else 1.0
-            largest += laws[i](
-                JointState(t_s, q, qd, effort, dt_s, load, largest, direction, volts), values[i], memory[i]
-            )
-        change = h * np.maximum(largest, 0.0) / heavy
-        out -= np.minimum(np.maximum(out, -change), change)
-    return np.fmin(np.fmax(out, -_LARGEST_RATE), _LARGEST_RATE)
-
-
-@_jit
-def _roll(
-    t_s: Any,
-    steps: Any,
-    typical_s: Any,
-    q0: Any,
-    qd0: Any,
-    inputs: Any,
-    drive: Any,
-    kp: Any,
-    kd: Any,
-    per_unit: Any,
-    limit: Any,
-    volts: Any,
-    dry: Any,
-    damping: Any,
-    laws: Any,
-    kinds: Any,
-    places: Any,
-    values: Any,
-    fresh: Any,
-    by_load: Any,
-    has_friction: Any,
+@jit
+def roll_coupled(
+    given: Inputs,
     form: Any,
     planar: Any,
     tree: Any,
 ) -> Any:
+    """Positions and rates (w, k, j) of chains and trees, in the given form of the dynamics."""
+    (
+        t_s, steps, typical_s, q0, qd0, inputs, drive, kp, kd, per_unit, limit, volts, dry,
+        damping, laws, kinds, places, values, fresh, by_load, has_friction,
+    ) = given  # fmt: skip
     worlds, stamps = t_s.shape
     joints = q0.shape[1]
     Q, QD = np.empty((worlds, stamps, joints)), np.empty((worlds, stamps, joints))
@@ -362,7 +67,7 @@ def _roll(
                     q[j] += half * qd[j]
                 now = t_s[w, k] + (s + 0.5) * h
                 _command(drive, inputs, w, k, q, qd, kp, kd, per_unit, limit, commanded)
-                if drive == _PD:
+                if drive == PD_DRIVE:
                     trial[:] = memory
                     _kick(
                         q, qd, last, commanded, now, h, dt_s, volts[w, k], dry, damping, laws, kinds, places, values,
@@ -385,21 +90,21 @@ def _roll(
     return Q, QD
 
 
-@_jit
+@jit
 def _command(
     drive: Any, inputs: Any, w: Any, k: Any, q: Any, qd: Any, kp: Any, kd: Any, per_unit: Any, limit: Any, out: Any
 ) -> None:
     for j in range(len(q)):
-        if drive == _EFFORT:
+        if drive == EFFORT_DRIVE:
             value = inputs[w, k, j] * per_unit
-        elif drive == _PD:
+        elif drive == PD_DRIVE:
             value = (kp[j] * (inputs[w, k, j] - q[j]) - kd[j] * qd[j]) * per_unit
         else:
             value = 0.0
         out[j] = np.minimum(np.maximum(value, -limit), limit)
 
 
-@_jit
+@jit
 def _kick(
     q: Any,
     qd: Any,
@@ -436,7 +141,7 @@ def _kick(
         effort[j] = commanded[j]
         middle[j] = qd[j] + 0.5 * last[j] if joints > 1 else qd[j]
     for i in range(len(kinds)):
-        if kinds[i] == _EFFORT_LAW:
+        if kinds[i] == EFFORT_LAW:
             j = places[i]
             state = JointState(t_s, q[j], qd[j], effort[j], dt_s, nan, nan, nan, volts)
             effort[j] = laws[i](state, values[i], memory[i])
@@ -444,7 +149,7 @@ def _kick(
     for j in range(joints):
         net[j] = effort[j] - net[j]
     for i in range(len(kinds)):
-        if kinds[i] == _TORQUE_LAW:
+        if kinds[i] == TORQUE_LAW:
             j = places[i]
             state = JointState(t_s, q[j], qd[j], effort[j], dt_s, nan, nan, nan, volts)
             net[j] += laws[i](state, values[i], memory[i])
@@ -465,7 +170,7 @@ def _kick(
         for j in range(joints):
             largest[j] = dry[j]
         for i in range(len(kinds)):
-            if kinds[i] == _FRICTION_LAW:
+            if kinds[i] == FRICTION_LAW:
                 j = places[i]
                 direction = -1.0 if out[j] < -1e-9 else 1.0
                 state = JointState(
@@ -483,10 +188,10 @@ def _kick(
                 inverse[i, j] = middle[i]
         _impulses(inverse, largest, out, effort)
     for j in range(joints):
-        out[j] = np.fmin(np.fmax(out[j], -_LARGEST_RATE), _LARGEST_RATE)
+        out[j] = np.fmin(np.fmax(out[j], -LARGEST_RATE), LARGEST_RATE)
 
 
-@_jit
+@jit
 def _impulses(inverse: Any, limits: Any, rates: Any, impulse: Any) -> None:
     """Projected Gauss-Seidel over the joints; changes `rates`."""
     joints = len(rates)
@@ -506,7 +211,7 @@ def _impulses(inverse: Any, limits: Any, rates: Any, impulse: Any) -> None:
             break
 
 
-@_jit
+@jit
 def _solve(A: Any, b: Any) -> None:
     """b becomes x with A x = b, for symmetric positive definite A, which is overwritten."""
     n = len(b)
@@ -522,10 +227,10 @@ def _solve(A: Any, b: Any) -> None:
         b[i] /= A[i, i]
 
 
-@_jit
+@jit
 def _bias(form: Any, planar: Any, tree: Any, q: Any, qd: Any, matrices: Any, spatial: Any, R: Any, out: Any) -> None:
     joints = len(q)
-    if form == _PLANAR:
+    if form == PLANAR:
         rows, pairs, weight, gravity, _, at, rate2 = planar
         angle = rate = 0.0
         for j in range(joints):
@@ -545,10 +250,10 @@ def _bias(form: Any, planar: Any, tree: Any, q: Any, qd: Any, matrices: Any, spa
         _inverse_dynamics(tree, q, qd, zero, True, spatial, R, out, load)
 
 
-@_jit
+@jit
 def _load(form: Any, planar: Any, tree: Any, q: Any, qd: Any, matrices: Any, spatial: Any, R: Any, out: Any) -> None:
     joints = len(q)
-    if form == _PLANAR:
+    if form == PLANAR:
         rows, pairs, _, gravity, gravity_y, at, _ = planar
         angle = rate = 0.0
         for j in range(joints):
@@ -565,12 +270,12 @@ def _load(form: Any, planar: Any, tree: Any, q: Any, qd: Any, matrices: Any, spa
         _inverse_dynamics(tree, q, qd, zero, True, spatial, R, effort, out)
 
 
-@_jit
+@jit
 def _mass(form: Any, planar: Any, tree: Any, q: Any, matrices: Any, spatial: Any, R: Any, vectors: Any) -> None:
     """The mass matrix into matrices[0]."""
     joints = len(q)
     M = matrices[0]
-    if form == _PLANAR:
+    if form == PLANAR:
         rows, pairs, _, _, _, at, _ = planar
         angle = 0.0
         for j in range(joints):
@@ -602,7 +307,7 @@ def _mass(form: Any, planar: Any, tree: Any, q: Any, matrices: Any, spatial: Any
                 M[i, j] = 0.5 * (matrices[3][i, j] + matrices[3][j, i])
 
 
-@_jit
+@jit
 def _cross_into(a: Any, b: Any, out: Any) -> None:
     x = a[1] * b[2] - a[2] * b[1]
     y = a[2] * b[0] - a[0] * b[2]
@@ -610,7 +315,7 @@ def _cross_into(a: Any, b: Any, out: Any) -> None:
     out[0], out[1], out[2] = x, y, z
 
 
-@_jit
+@jit
 def _inverse_dynamics(
     tree: Any, q: Any, qd: Any, qdd: Any, with_gravity: Any, spatial: Any, R: Any, effort: Any, load: Any
 ) -> None:
