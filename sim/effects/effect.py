@@ -16,10 +16,25 @@ JointField = Literal["friction", "damping", "lower", "upper", "effort"]
 
 
 @dataclass(frozen=True)
+class Scan:
+    """Values of a shape at which a search probes an effect: `count` between its bounds, evenly or by ratio.
+
+    They begin at `from_low` times the lower bound and end at `to_high` times the upper one.
+    """
+
+    count: int
+    by_ratio: bool = False
+    from_low: float = 1.0
+    to_high: float = 1.0
+
+
+@dataclass(frozen=True)
 class Parameter:
     """A number of an effect: SI unit (also the end of its name), bounds of what is plausible, value without effect.
 
     is_shape   it has no meaning while the effect is absent: where on a range the law acts, not how strongly.
+    is_phase   a shape of a wave: sine and cosine give it in closed form.
+    scan       of a shape that a linear step from one value does not find.
     """
 
     name: str
@@ -28,6 +43,8 @@ class Parameter:
     high: float
     null: float
     is_shape: bool = False
+    is_phase: bool = False
+    scan: Scan | None = None
 
 
 IN_LOOP = Parameter("in_loop", "1", 0.0, 1.0, 0.0, is_shape=True)  # 0: on the way to the controller, 1: after it
@@ -109,6 +126,11 @@ class Effect:
     def shapes(self) -> tuple[str, ...]:
         """Names of the parameters that shape the law."""
         return tuple(p.name for p in self.parameters if p.is_shape)
+
+    @property
+    def phase(self) -> str | None:
+        """Name of the parameter that is a phase."""
+        return next((p.name for p in self.parameters if p.is_phase), None)
 
     def null(self) -> dict[str, float]:
         """Parameter values at which the effect is absent."""

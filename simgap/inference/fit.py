@@ -28,7 +28,6 @@ ROUNDING_MARGIN = 1.0 + 1e-9  # an end of a range lies as far from none as it is
 _STRENGTHS = 9  # values of a strength tried before the local search
 _MANY = 24  # values of one shape parameter; of two: _SHAPE_GRID
 _SHAPE_GRID = (48, 6)
-_PHASE = "phase_rad"
 _WAVES = 120  # waves over a position: neighbours differ by about a radian at its ends
 _PROBE = 0.05  # share of a strength's range at which its signature is read off
 _CLIP = 1e4
@@ -242,19 +241,19 @@ def _best_shapes(
         return beyond_base((moved - r0) / probe)
 
     y = beyond_base(r0)
-    wave = shapes[-1] == _PHASE
-    counts = (_WAVES,) if wave else (_MANY,) if len(shapes) == 1 else _SHAPE_GRID
+    phase = candidate.effect.phase
+    counts = (_WAVES,) if phase else (_MANY,) if len(shapes) == 1 else _SHAPE_GRID
     grids = [np.linspace(*candidate.bounds[n], k + 2)[1:-1] for n, k in zip(shapes, counts, strict=False)]
     scored = []
     for at in product(*grids):
         values = {**candidate.start, **dict(zip(shapes, (float(v) for v in at), strict=False))}
-        phases = ({_PHASE: 0.0}, {_PHASE: 0.5 * np.pi}) if wave else ({},)
+        phases = ({phase: 0.0}, {phase: 0.5 * np.pi}) if phase else ({},)
         columns = np.stack([signature({**values, **p}) for p in phases], axis=1)
         if (columns**2).sum() <= 1e-12:
             continue
         parts = -np.linalg.lstsq(columns, y, rcond=1e-6)[0]
-        if wave:
-            values[_PHASE] = float(np.arctan2(parts[1], parts[0]))
+        if phase:
+            values[phase] = float(np.arctan2(parts[1], parts[0]))
             parts *= min(1.0, (high - null) / max(float(np.hypot(*parts)), 1e-300))
             value = null + float(np.hypot(*parts))
         else:

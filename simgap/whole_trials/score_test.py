@@ -13,13 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.arrays import FloatArray
+from sim.effects.effect import Scan
 from simgap.problem import Candidate, Term, TrialSystem
 from simgap.whole_trials.fit_model import Linearisation, ModelFit, Space, clipped, solve_safely, vector_of
 
 _SMALL_SHARE_OF_RANGE = 0.01  # of a strength's range
-_COUNTS = 40  # of harmonic laws, evenly by ratio over the plausible ones
-_SPEEDS = 6
-_RESTS = 5
 _DIGITS = 6  # of a loss
 _HALVINGS, _NEAREST = 4, 2  # of the way to the nearest thresholds that were tried
 
@@ -106,10 +104,10 @@ def _apart(candidate: Candidate, a: dict[str, float], b: dict[str, float]) -> fl
 def _moved(candidate: Candidate, group: Sequence[dict[str, float]], shares: FloatArray) -> dict[str, float]:
     """Values at which a linear step lands: probes of one group, each taken so many times."""
     values = dict(group[0])
-    if "phase_rad" in candidate.null:
+    if phase := candidate.effect.phase:
         strength = candidate.strengths[0]
         size = float(np.hypot(*shares)) * group[0][strength]
-        values |= {"phase_rad": float(np.arctan2(shares[1], shares[0])), strength: size}
+        values |= {phase: float(np.arctan2(shares[1], shares[0])), strength: size}
     else:
         for share, probe in zip(shares, group, strict=True):
             for n in candidate.strengths:
@@ -119,25 +117,20 @@ def _moved(candidate: Candidate, group: Sequence[dict[str, float]], shares: Floa
 
 
 def _probe_groups(candidate: Candidate) -> list[list[dict[str, float]]]:
-    """Values that are probed; those of one group together."""
-    bounds = candidate.bounds
-    if "phase_rad" in candidate.null:
-        counts = np.geomspace(*bounds["count_per_rad"], _COUNTS)
-        return [
-            [_off_null(candidate, {"count_per_rad": float(k), "phase_rad": phase}) for phase in (0.0, 0.5 * np.pi)]
-            for k in counts
-        ]
-    if "rest_rad" in candidate.null:
-        rests = np.linspace(*bounds["rest_rad"], _RESTS)
-        return [[_off_null(candidate, {"rest_rad": float(r)})] for r in rests]
-    if "velocity_radps" in candidate.null:
-        low, high = bounds["velocity_radps"]
-        return [
-            [_off_null(candidate, {"velocity_radps": float(v)})] for v in np.geomspace(2.0 * low, 0.7 * high, _SPEEDS)
-        ]
+    """Values that are probed; those of one group together: the waves of one count, or the strengths of one law."""
+    turns = [{candidate.effect.phase: turn} for turn in (0.0, 0.5 * np.pi)] if candidate.effect.phase else [{}]
+    scanned = next((p for p in candidate.effect.parameters if p.scan is not None), None)
+    if scanned is not None and scanned.scan is not None:
+        values = _scanned(scanned.scan, *candidate.bounds[scanned.name])
+        return [[_off_null(candidate, {scanned.name: float(v), **turn}) for turn in turns] for v in values]
     if len(candidate.strengths) > 1:
         return [[_off_null(candidate, {}, only=n) for n in candidate.strengths]]
     return [[_off_null(candidate, {})]]
+
+
+def _scanned(scan: Scan, low: float, high: float) -> FloatArray:
+    """(count,) values of a scan between bounds."""
+    return (np.geomspace if scan.by_ratio else np.linspace)(scan.from_low * low, scan.to_high * high, scan.count)
 
 
 def _off_null(candidate: Candidate, given: dict[str, float], only: str | None = None) -> dict[str, float]:

@@ -9,7 +9,7 @@ import numpy as np
 from schemas.arrays import FloatArray
 from sim.dynamics.hooks import EffortMap, JointState
 from sim.effects.candidacy import MechanismCandidacy
-from sim.effects.common.travel import count_bounds, count_start
+from sim.effects.common.travel import COUNTS, count_bounds, count_start
 from sim.effects.effect import Confusable, Effect, Parameter
 
 
@@ -26,8 +26,8 @@ EFFECT = Effect(
     reveals="unexplained torque repeats over position and grows with effort",
     parameters=(
         Parameter("share", "1", 0.0, 1.0, 0.0),
-        Parameter("count_per_rad", "1/rad (1/m)", 0.5, 1e3, 6.0, is_shape=True),
-        Parameter("phase_rad", "rad", -np.pi, np.pi, 0.0, is_shape=True),
+        Parameter("count_per_rad", "1/rad (1/m)", 0.5, 1e3, 6.0, is_shape=True, scan=COUNTS),
+        Parameter("phase_rad", "rad", -np.pi, np.pi, 0.0, is_shape=True, is_phase=True),
     ),
     confusables=(Confusable("joint.detent", "let the joint swing with the drive off"),),
     hook=EffortMap(_map, ("share", "count_per_rad", "phase_rad")),

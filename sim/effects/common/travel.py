@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from sim.effects.effect import Scan
 from sim.effects.ranges import JointRanges
 
 # Half waves within the range that was reached: below, nothing repeats, and springs and weights do the same.
@@ -11,6 +12,7 @@ _REPEATED = 3.0
 _FINEST_PHASE = 300.0  # radians of phase over the range: finer waves than rows of a log can follow
 _TYPICAL_PHASE = 12.0
 _LEAST_TRAVEL = 1e-6  # rad (m)
+COUNTS = Scan(40, by_ratio=True)  # of waves that a search probes
 
 
 def count_bounds(ranges: JointRanges) -> tuple[float, float]:

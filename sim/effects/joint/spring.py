@@ -7,7 +7,7 @@ from typing import Any
 from schemas.arrays import FloatArray
 from sim.dynamics.hooks import JointState, JointTorque
 from sim.effects.candidacy import Bounds, MechanismCandidacy, TossCandidacy
-from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.effect import Confusable, Effect, Parameter, Scan
 from sim.effects.ranges import TossRanges
 
 _STIFFEST_SPRING = 4.0  # times what the torque does over the range that was reached
@@ -35,7 +35,7 @@ EFFECT = Effect(
     reveals="unexplained torque is a straight line over position",
     parameters=(
         Parameter("stiffness_Nm_per_rad", "N m/rad (N/m)", 0.0, 1e5, 0.0),
-        Parameter("rest_rad", "rad (m)", -10.0, 10.0, 0.0, is_shape=True),
+        Parameter("rest_rad", "rad (m)", -10.0, 10.0, 0.0, is_shape=True, scan=Scan(5)),
     ),
     confusables=(
         Confusable("joint.gravity_load", "move through a quarter turn or more: a spring is straight, gravity a sine"),

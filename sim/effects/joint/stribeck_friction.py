@@ -9,10 +9,11 @@ import numpy as np
 from schemas.arrays import FloatArray
 from sim.dynamics.hooks import JointFriction, JointState
 from sim.effects.candidacy import MechanismCandidacy
-from sim.effects.effect import Confusable, Effect, Parameter
+from sim.effects.effect import Confusable, Effect, Parameter, Scan
 
 _FASTER = 300.0  # the speed that was reached over the slowest law
 _TYPICAL = 0.1  # of the speed that was reached
+_SPEEDS = Scan(6, by_ratio=True, from_low=2.0, to_high=0.7)  # that a search probes: ends of the range say nothing
 
 
 def _limit(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
@@ -28,7 +29,7 @@ EFFECT = Effect(
     reveals="stick-slip near rest: unexplained torque peaks as the speed passes zero and falls off beyond",
     parameters=(
         Parameter("torque_Nm", "N m (N for sliding joints)", 0.0, 1e3, 0.0),
-        Parameter("velocity_radps", "rad/s (m/s)", 1e-3, 10.0, 0.1, is_shape=True),
+        Parameter("velocity_radps", "rad/s (m/s)", 1e-3, 10.0, 0.1, is_shape=True, scan=_SPEEDS),
     ),
     confusables=(
         Confusable("joint.coulomb_friction", "dwell at very low speeds in both directions"),

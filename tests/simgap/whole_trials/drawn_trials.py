@@ -69,6 +69,8 @@ class Drawn:
 class Named:
     """Stands for an effect of a candidate: its name, unit and experiments are read."""
 
+    phase = None
+
     def __init__(self, name: str, same_as: str = "") -> None:
         self.name = name
         self.confusables = (Confusable(same_as, "another look", True),) if same_as else ()
@@ -78,7 +80,7 @@ class Named:
 class Size:
     """Stands for the parameter of such an effect."""
 
-    name, unit = "size", "1"
+    name, unit, scan = "size", "1", None
 
 
 class DrawnProblem:
