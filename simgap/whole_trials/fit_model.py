@@ -22,7 +22,7 @@ from simgap.whole_trials.policy import Policy
 _DIFFERENCE = 1e-6  # of a parameter's range: larger ones separate what scales together
 _LARGEST_ERROR = 1e8  # noise levels beyond which an error counts no more: what is further off has diverged
 _START_PRIOR = 1e-3  # precision that holds a start in place, in its steps: a start may be of no effect
-_DAMPING, _MOST_DAMPING, _TRIALS = 1e-3, 1e6, 6
+_DAMPING, _MOST_DAMPING = 1e-3, 1e6
 _SINGULAR = 1e-12
 _AT_BOUND = 1e-3  # of a range
 _FIXED = 1e-5  # range of a value that bounds fix
@@ -150,55 +150,54 @@ class Linearisation:
 
     def least_loss(self, prior: FloatArray) -> float:
         """Weighted squares that are left after a linear step of parameters, of this prior precision, and starts."""
-        blocks = self._blocks(0.0)
-        information, gradients = self.reduced()
-        gradient = gradients.sum(axis=0)
-        left = float((self.errors**2).sum())
-        left -= float(np.einsum("ts,tsr,tr->", blocks.start_gradient, blocks.inverse, blocks.start_gradient))
-        return left - float(gradient @ solve_safely(information.sum(axis=0) + np.diag(prior), gradient))
+        equations = self.normal_equations()
+        gradient = equations.gradient.sum(axis=0)
+        step = solve_safely(equations.information.sum(axis=0) + np.diag(prior), gradient)
+        by_starts = np.einsum("ts,tsr,tr->", equations.start_gradient, equations.inverse, equations.start_gradient)
+        return float((self.errors**2).sum()) - float(by_starts) - float(gradient @ step)
 
-    def reduced(self) -> tuple[FloatArray, FloatArray]:
-        """Information (t, p, p) and gradients (t, p) of half the deviance per trial, starts eliminated."""
-        blocks = self._blocks(0.0)
-        through = blocks.mixed @ blocks.inverse
-        information = blocks.parameters - through @ np.swapaxes(blocks.mixed, 1, 2)
-        return information, blocks.gradient - np.einsum("tps,ts->tp", through, blocks.start_gradient)
-
-    def _blocks(self, damping: float) -> _Blocks:
+    def normal_equations(self, damping: float = 0.0) -> NormalEquations:
+        """Of each trial, its starts damped by a share of their own information."""
         A, B, e = self.parameter_slopes, self.start_slopes, self.errors
         At, Bt = np.swapaxes(A, 1, 2), np.swapaxes(B, 1, 2)
-        starts = Bt @ B
-        held = starts * (1.0 + damping * np.eye(B.shape[2])) + _START_PRIOR * np.eye(B.shape[2])
-        return _Blocks(At @ A, At @ B, np.asarray(np.linalg.inv(held), dtype=float), _product(At, e), _product(Bt, e))
-
-    def step(self, damping: float, prior: FloatArray, prior_gradient: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Damped steps of the parameters (p,), in shares of their ranges, and the starts that follow any such step.
-
-        Returned are the steps and, for `starts_after`, nothing else: see there.
-        """
-        blocks = self._blocks(damping)
-        through = blocks.mixed @ blocks.inverse
-        information = (blocks.parameters - through @ np.swapaxes(blocks.mixed, 1, 2)).sum(axis=0) + np.diag(prior)
-        gradient = (blocks.gradient - np.einsum("tps,ts->tp", through, blocks.start_gradient)).sum(axis=0)
-        gradient = gradient + prior_gradient
-        return -solve_safely(information + damping * np.diag(np.diag(information)), gradient), gradient
-
-    def starts_after(self, damping: float, steps: FloatArray) -> FloatArray:
-        """(t, s) changes of the starts for steps (p,) of the parameters."""
-        blocks = self._blocks(damping)
-        pull = blocks.start_gradient + np.einsum("tps,p->ts", blocks.mixed, steps)
-        return -np.einsum("tsr,tr->ts", blocks.inverse, pull)
+        starts, unit = Bt @ B, np.eye(B.shape[2])
+        inverse = np.asarray(np.linalg.inv(starts * (1.0 + damping * unit) + _START_PRIOR * unit), dtype=float)
+        mixed, start_gradient = At @ B, _product(Bt, e)
+        through = mixed @ inverse
+        return NormalEquations(
+            information=At @ A - through @ np.swapaxes(mixed, 1, 2),
+            gradient=_product(At, e) - np.einsum("tps,ts->tp", through, start_gradient),
+            mixed=mixed,
+            inverse=inverse,
+            start_gradient=start_gradient,
+        )
 
 
 @dataclass(frozen=True)
-class _Blocks:
-    """Normal equations per trial: parameters (t, p, p), mixed (t, p, s), the starts' inverse (t, s, s), gradients."""
+class NormalEquations:
+    """Half the loss of each trial to second order, its starts eliminated.
 
-    parameters: FloatArray
+    information, gradient   (t, p, p) and (t, p) of the parameters, in shares of their ranges.
+    mixed, inverse, start_gradient   (t, p, s) parameters beside starts, (t, s, s) the inverse of the starts' own
+                            information, (t, s).
+    """
+
+    information: FloatArray
+    gradient: FloatArray
     mixed: FloatArray
     inverse: FloatArray
-    gradient: FloatArray
     start_gradient: FloatArray
+
+    def step(self, damping: float, prior: FloatArray, prior_gradient: FloatArray) -> FloatArray:
+        """(p,) a damped step of the parameters, in shares of their ranges."""
+        information = self.information.sum(axis=0) + np.diag(prior)
+        gradient = self.gradient.sum(axis=0) + prior_gradient
+        return -solve_safely(information + damping * np.diag(np.diag(information)), gradient)
+
+    def starts_after(self, step: FloatArray) -> FloatArray:
+        """(t, s) changes of the starts for a step (p,) of the parameters."""
+        pull = self.start_gradient + np.einsum("tps,p->ts", self.mixed, step)
+        return -np.einsum("tsr,tr->ts", self.inverse, pull)
 
 
 def _product(transposed: FloatArray, errors: FloatArray) -> FloatArray:
@@ -327,13 +326,13 @@ def _try_step(
     fixed: bool,
 ) -> tuple[FloatArray, FloatArray, float] | None:
     """Values, starts and cost after a damped step; None where the cost does not fall."""
-    moved = vector
+    moved, equations = vector, linear.normal_equations(damping)
     if not fixed and len(vector):
         prior = space.prior_precision * space.span**2
-        steps, _ = linear.step(damping, prior, space.prior_precision * space.span * (vector - space.prior_mean))
-        moved = np.clip(vector + steps * space.span, space.low, space.high)
+        pull = space.prior_precision * space.span * (vector - space.prior_mean)
+        moved = np.clip(vector + equations.step(damping, prior, pull) * space.span, space.low, space.high)
     shares = (moved - vector) / space.span if not fixed else np.zeros(0)
-    after = starts + linear.starts_after(damping, shares)
+    after = starts + equations.starts_after(shares)
     lower = loss_at(system, with_vector(model, moved), after) + space.penalty(moved)
     return (moved, after, lower) if lower < cost else None
 
@@ -347,10 +346,11 @@ def loss_at(system: TrialSystem, model: Model, starts: FloatArray) -> float:
 def fit_at(system: TrialSystem, model: Model, starts: FloatArray) -> ModelFit:
     """The record of a model at given values and starts."""
     linear = linearise(system, model, starts)
-    information, gradients = linear.reduced()
+    equations = linear.normal_equations()
     errors = clipped(system.errors(model, starts[None]))[0]
     rows = rows_of(errors, starts.shape[1])
-    return ModelFit(model, starts, deviances(errors), rows, information, gradients, _correlation(system, linear))
+    correlation = _correlation(system, linear)
+    return ModelFit(model, starts, deviances(errors), rows, equations.information, equations.gradient, correlation)
 
 
 def _correlation(system: TrialSystem, linear: Linearisation) -> float:

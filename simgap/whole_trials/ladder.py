@@ -7,6 +7,7 @@ say the most. Fits climb: values and starts found on one rung begin the next (mu
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -52,15 +53,17 @@ def starts_on(system: TrialSystem, model: Model, policy: Policy) -> ModelFit:
 
 def starts_up(rungs: tuple[TrialSystem, ...], model: Model, policy: Policy) -> ModelFit:
     """The same up these rungs."""
-    starts: FloatArray | None = None
-    places: dict[tuple[int, int], FloatArray] = {}
-    fit: ModelFit | None = None
-    for rung in rungs:
-        starts = np.zeros_like(rung.start_steps) if fit is None else np.array([places[p] for p in rung.piece_starts])
-        fit = fit_model(rung, model, starts, policy, fixed=True)
-        places = dict(zip(rung.piece_starts, fit.starts, strict=True))
-    assert fit is not None
+    first, *longer = rungs
+    fit = fit_model(first, model, np.zeros_like(first.start_steps), policy, fixed=True)
+    for below, rung in pairwise((first, *longer)):
+        fit = fit_model(rung, model, _starts_from(below, fit, rung), policy, fixed=True)
     return fit
+
+
+def _starts_from(below: TrialSystem, fit: ModelFit, rung: TrialSystem) -> FloatArray:
+    """Starts of a rung as they were fitted on the one below, whose pieces begin there, too."""
+    known = dict(zip(below.piece_starts, fit.starts, strict=True))
+    return np.array([known[place] for place in rung.piece_starts])
 
 
 def climb(ladder: Ladder, rung: int, model: Model, starts: FloatArray, policy: Policy) -> ModelFit:
@@ -74,8 +77,7 @@ def _climbed(
     fits: list[ModelFit] = []
     for number, system in enumerate(rungs):
         if fits:
-            known = dict(zip(rungs[number - 1].piece_starts, fits[-1].starts, strict=True))
-            starts = np.array([known[place] for place in system.piece_starts])
+            starts = _starts_from(rungs[number - 1], fits[-1], system)
         elif starts is None:
             # The starts alone first: as far off as they are, they would move the nuisances.
             starts = fit_model(system, model, np.zeros_like(system.start_steps), policy, fixed=True).starts

@@ -57,10 +57,10 @@ def _score(
         for values in group:
             errors = clipped(system.errors((*fit.model, Term(candidate, values)), fit.starts[None]))[0]
             changes.append(np.where(np.isfinite(errors), errors, 0.0) - plain)
-        information, gradients = base.with_parameters(np.stack(changes, axis=2)).reduced()
+        equations = base.with_parameters(np.stack(changes, axis=2)).normal_equations()
         count = len(group)
-        total = information.sum(axis=0) + np.diag(np.concatenate([prior, np.zeros(count)]))
-        gradient = gradients.sum(axis=0) + np.concatenate([pull, np.zeros(count)])
+        total = equations.information.sum(axis=0) + np.diag(np.concatenate([prior, np.zeros(count)]))
+        gradient = equations.gradient.sum(axis=0) + np.concatenate([pull, np.zeros(count)])
         move = -solve_safely(total, gradient)
         reduction = float(-gradient @ move)
         without = -solve_safely(total[:-count, :-count], gradient[:-count])
