@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from schemas.gap import (
     CandidateDecision,
     ConventionCheck,
-    Estimate,
     GapReport,
     Hypothesis,
     Localisation,
@@ -28,7 +27,15 @@ from simgap.inference.losses import compare
 from simgap.inference.verdict import judge
 from simgap.problem import Model, Problem
 from simgap.recording.train_test_split import Trials
-from simgap.search_result import SearchResult, baseline_of, extension_of, gain_of, rms_in_noise_levels
+from simgap.search_result import (
+    SearchResult,
+    baseline_of,
+    extension_of,
+    gain_of,
+    reported,
+    reported_estimates,
+    rms_in_noise_levels,
+)
 from simgap.whole_trials.find import find_on_whole_trials
 
 
@@ -122,20 +129,7 @@ def reported_decisions(searched: Sequence[SearchDecision], judged: Sequence[Deci
     """
     last = max((d.round_number for d in searched), default=0)
     every = (*searched, *(SearchDecision(last, "judge", candidate, decision) for candidate, decision in judged))
-    return tuple(
-        CandidateDecision(
-            round_number=d.round_number,
-            step=d.step,
-            name=d.candidate.effect.name,
-            where=d.candidate.where,
-            kept=d.decision.kept,
-            reason=d.decision.reason,
-            beside=d.decision.beside,
-            criteria=d.decision.criteria,
-        )
-        for d in every
-        if d.step != "screen" or not d.decision.kept
-    )
+    return tuple(reported(d) for d in every if d.step != "screen" or not d.decision.kept)
 
 
 def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
@@ -147,8 +141,6 @@ def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
             if number > 0 and candidate_fit.candidate.key not in accepted:
                 continue
             agreement = agrees(candidate_fit)
-            units = {q.name: q.unit for q in candidate_fit.candidate.effect.parameters}
-            direct = candidate_fit.direct
             rows.append(
                 Hypothesis(
                     name=candidate_fit.candidate.effect.name,
@@ -157,16 +149,7 @@ def _hypotheses(selection: Selection) -> tuple[Hypothesis, ...]:
                     ci95=candidate_fit.comparison.ci95,
                     p_adjusted=p,
                     delta_bic=candidate_fit.delta_bic,
-                    direct={
-                        n: Estimate(
-                            value=v,
-                            unit=units[n],
-                            ci95=(v - 1.96 * direct.standard_errors[n], v + 1.96 * direct.standard_errors[n]),
-                        )
-                        for n, v in direct.values.items()
-                    }
-                    if direct
-                    else {},
+                    direct=reported_estimates(candidate_fit.candidate, candidate_fit.direct),
                     direct_agrees=None if agreement.reason is Reason.NO_DIRECT_ESTIMATE else agreement.kept,
                 )
             )

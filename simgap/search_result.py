@@ -9,11 +9,23 @@ from typing import Literal
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import AppliedEffect, Baseline, Estimate, Gain, GapReport, ModelExtension, NamedEffect
+from schemas.gap import (
+    AppliedEffect,
+    Baseline,
+    CandidateDecision,
+    Estimate,
+    Gain,
+    GapReport,
+    ModelExtension,
+    NamedEffect,
+)
+from simgap.inference.decision import SearchDecision
 from simgap.inference.losses import Comparison, compare
 from simgap.inference.verdict_text import NAMED
-from simgap.problem import Candidate, Model, Problem
+from simgap.problem import Candidate, DirectEstimate, Model, Problem
 from simgap.recording.train_test_split import Trials
+
+_NORMAL_95 = 1.96
 
 
 @dataclass(frozen=True)
@@ -33,6 +45,29 @@ def extension_of(measurement: str, effects: Sequence[NamedEffect]) -> ModelExten
         measurement=measurement,
         effects=tuple(AppliedEffect(name=e.name, where=e.where, parameters=e.parameters) for e in named),
     )
+
+
+def reported(decision: SearchDecision) -> CandidateDecision:
+    """A decision of a search as the report lists it."""
+    return CandidateDecision(
+        round_number=decision.round_number,
+        step=decision.step,
+        name=decision.candidate.effect.name,
+        where=decision.candidate.where,
+        kept=decision.decision.kept,
+        reason=decision.decision.reason,
+        beside=decision.decision.beside,
+        criteria=decision.decision.criteria,
+    )
+
+
+def reported_estimates(candidate: Candidate, direct: DirectEstimate | None) -> dict[str, Estimate]:
+    """A direct estimate by parameter, with 95 % intervals; nothing where there is none."""
+    if direct is None:
+        return {}
+    units = {q.name: q.unit for q in candidate.effect.parameters}
+    reach = {n: _NORMAL_95 * error for n, error in direct.standard_errors.items()}
+    return {n: Estimate(value=v, unit=units[n], ci95=(v - reach[n], v + reach[n])) for n, v in direct.values.items()}
 
 
 def baseline_of(problem: Problem, trials: Trials) -> Baseline:

@@ -13,7 +13,6 @@ import numpy as np
 from schemas.gap import (
     CandidateDecision,
     ConventionCheck,
-    Estimate,
     GapReport,
     Hypothesis,
     Localisation,
@@ -24,20 +23,29 @@ from schemas.gap import (
 from simgap.baselines.all_effects import all_effects_losses
 from simgap.baselines.black_box import black_box_losses
 from simgap.inference.candidate_fit import Map
-from simgap.inference.decision import Decision, criterion, decide, negation, place_name
+from simgap.inference.decision import Decision, SearchDecision, criterion, decide, negation, place_name
 from simgap.inference.fit import robust_scale
 from simgap.inference.losses import compare, trial_losses
 from simgap.problem import Candidate, Model, Problem
 from simgap.recording.train_test_split import Trials
 from simgap.sanity.input_pairing import other_inputs_check, pairing_check
-from simgap.search_result import SearchResult, baseline_of, extension_of, gain_between, gain_of, rms_in_noise_levels
+from simgap.search_result import (
+    SearchResult,
+    baseline_of,
+    extension_of,
+    gain_between,
+    gain_of,
+    reported,
+    reported_estimates,
+    rms_in_noise_levels,
+)
 from simgap.whole_trials.check import check_whole_trials, confirmed
 from simgap.whole_trials.confidence_set import ConfidenceSet, confidence_set
 from simgap.whole_trials.judge import JudgedModel, judge
 from simgap.whole_trials.ladder import ladder_of, starts_up
 from simgap.whole_trials.policy import POLICY, Policy
 from simgap.whole_trials.score_test import Score
-from simgap.whole_trials.search_models import LEAST_SCORE, FittedModel, Growth, ModelSearch, search_models
+from simgap.whole_trials.search_models import FittedModel, Growth, ModelSearch, search_models
 
 
 def find_on_whole_trials(
@@ -124,21 +132,10 @@ def _decisions(
     out: list[CandidateDecision] = []
 
     def record(number: int, step: Step, candidate: Candidate, decision: Decision) -> None:
-        out.append(
-            CandidateDecision(
-                round_number=number,
-                step=step,
-                name=candidate.effect.name,
-                where=candidate.where,
-                kept=decision.kept,
-                reason=decision.reason,
-                beside=decision.beside,
-                criteria=decision.criteria,
-            )
-        )
+        out.append(reported(SearchDecision(number, step, candidate, decision)))
 
     for number, growth in enumerate(search.growths):
-        fitted = {key for model in growth.models for key in model.fit.keys}
+        fitted = {c.key for c in growth.outranked} | {key for model in growth.models for key in model.fit.keys}
         for score in growth.scores:
             if score.candidate.key not in fitted:
                 record(number, "screen", score.candidate, _not_fitted(score, growth, policy))
@@ -146,6 +143,9 @@ def _decisions(
         for rank, model in enumerate(growth.models[1:], 2) if number != search.size - 1 else ():
             best = criterion("rank by held-out loss", rank, "<=", 1)
             record(number, "confirm", model.fit.effects[-1].candidate, decide([(Reason.OUTRANKED, best)]))
+        for rank, candidate in enumerate(growth.outranked, len(growth.models) + 1):
+            among_best = criterion("rank by loss", rank, "<=", policy.polished)
+            record(number, "confirm", candidate, decide([(Reason.OUTRANKED, among_best)]))
     for model, rejected in models.decisions:
         for term in model.fit.effects:
             if term.candidate.key not in models.models[0].fit.keys:
@@ -158,15 +158,19 @@ def _decisions(
 
 def _not_fitted(score: Score, growth: Growth, policy: Policy) -> Decision:
     """Why a candidate was not fitted: its score is noise, far below the best, or others came first."""
+    fitted = len(growth.models) + len(growth.outranked)
     share = score.reduction / max(growth.scores[0].reduction, 1e-300)
     return decide(
         [
             (
                 Reason.NOT_PROMISING,
-                criterion("loss that a linear step takes off whole trials", score.reduction, ">=", LEAST_SCORE),
+                criterion("loss that a linear step takes off whole trials", score.reduction, ">=", policy.least_score),
             ),
             (Reason.NOT_PROMISING, criterion("share of the best score", share, ">=", policy.promising)),
-            (Reason.OUTRANKED, criterion("models that were fitted", len(growth.models), "<", policy.full_fits)),
+            (
+                Reason.OUTRANKED,
+                criterion("models that were fitted", fitted, "<", policy.full_fits),
+            ),
         ]
     )
 
@@ -194,7 +198,6 @@ def _hypotheses(search: ModelSearch, judgement: JudgedModel) -> tuple[Hypothesis
             comparison = compare(before.fit.deviance / before.fit.rows, model.fit.deviance / model.fit.rows)
             penalty = len(candidate.null) * float(np.log(model.fit.rows.sum()))
             estimate, agreement = judgement.direct.get(candidate.key, (None, None))
-            units = {q.name: q.unit for q in candidate.effect.parameters}
             rows.append(
                 Hypothesis(
                     name=candidate.effect.name,
@@ -205,16 +208,7 @@ def _hypotheses(search: ModelSearch, judgement: JudgedModel) -> tuple[Hypothesis
                     if model is growth.models[0] and len(growth.entered.criteria) > 1
                     else 1.0,
                     delta_bic=float(before.fit.losses.sum() - model.fit.losses.sum()) - penalty,
-                    direct={
-                        n: Estimate(
-                            value=v,
-                            unit=units[n],
-                            ci95=(v - 1.96 * estimate.standard_errors[n], v + 1.96 * estimate.standard_errors[n]),
-                        )
-                        for n, v in estimate.values.items()
-                    }
-                    if estimate
-                    else {},
+                    direct=reported_estimates(candidate, estimate),
                     direct_agrees=None if estimate is None or agreement is None else agreement.kept,
                 )
             )

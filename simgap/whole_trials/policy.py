@@ -14,7 +14,7 @@ class Policy:
                       than a group.
     least_gain        loss per row that an effect must take off, in units of that of noise. Two integrators of one law
                       differ by up to 1 % on the control recordings of `docs/benchmarks-simgap.md`.
-    least_lead        loss per row by which a rejected model must be worse; half of that.
+    least_lead        loss per row by which a rejected model must be worse; a quarter of that.
     explained         share of the null model's excess over noise that may stay before a name is doubted: 1.7 % of the
                       amplitude, twice what two integrators of one law differ by.
     noise_excess      excess of the mean square error over that of noise that counts as none, beside so many
@@ -24,6 +24,8 @@ class Policy:
                       a large effect, not beside a small one.
     most_effects      effects of one model; three causes at once are the most that the suite hides.
     beam              models that the next step extends.
+    least_score       loss that a linear step must take off: less is noise (99.5 % of chi-squared with one degree).
+    idle              loss that a threshold may cost and count as one that no trial reaches.
     full_fits         candidates per extended model that are fitted to the end, best score first.
     promising         share of the best score that a candidate needs to be fitted to the end; the `fewest` best of each
                       rung are in any case, because a score is that of a linear step.
@@ -47,6 +49,8 @@ class Policy:
     least_share: float = 0.02
     most_effects: int = 3
     beam: int = 2
+    least_score: float = 8.0
+    idle: float = 0.5
     full_fits: int = 9
     promising: float = 0.2
     fewest: int = 3

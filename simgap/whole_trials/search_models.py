@@ -24,9 +24,6 @@ from simgap.whole_trials.ladder import Ladder, climb
 from simgap.whole_trials.policy import Policy
 from simgap.whole_trials.score_test import Score, scores
 
-_IDLE = 0.5  # loss that a threshold without effect may cost
-LEAST_SCORE = 8.0  # loss below which a linear step is noise: 99.5 % of chi-squared with one degree
-
 
 @dataclass(frozen=True)
 class FittedModel:
@@ -43,9 +40,13 @@ class FittedModel:
 
 @dataclass(frozen=True)
 class Growth:
-    """One step of the search: the best models of one size, in order, the scores behind them, whether it was entered."""
+    """One step of the search: the best models of one size, in order, the scores behind them, whether it was entered.
+
+    outranked   candidates of models that were not among the best on the way, in order.
+    """
 
     models: tuple[FittedModel, ...]
+    outranked: tuple[Candidate, ...]
     scores: tuple[Score, ...]
     entered: Decision
 
@@ -137,9 +138,14 @@ def _grow(
     if not fits:
         return None
     by_loss = sorted(fits.values(), key=lambda f: float(f.losses.sum()))
-    polished = [_without_idle(ladder.whole, _polished(ladder.whole, f, policy)) for f in by_loss[: policy.polished]]
+    polished = [
+        _without_idle(ladder.whole, _polished(ladder.whole, f, policy), policy) for f in by_loss[: policy.polished]
+    ]
     ordered = tuple(sorted(map(_fitted, polished), key=lambda m: m.order))
-    return Growth(ordered, first, _enters(ladder.nulls[-1], parents[0].model, ordered[0], len(candidates), policy))
+    outranked = tuple(f.effects[-1].candidate for f in by_loss[policy.polished :])
+    return Growth(
+        ordered, outranked, first, _enters(ladder.nulls[-1], parents[0].model, ordered[0], len(candidates), policy)
+    )
 
 
 def _promising(by_rung: Sequence[Sequence[Score]], policy: Policy) -> list[Candidate]:
@@ -147,7 +153,7 @@ def _promising(by_rung: Sequence[Sequence[Score]], policy: Policy) -> list[Candi
     chosen: dict[str, Candidate] = {}
     lists = []
     for ranked in by_rung:
-        enough = max(LEAST_SCORE, policy.promising * ranked[0].reduction) if ranked else 0.0
+        enough = max(policy.least_score, policy.promising * ranked[0].reduction) if ranked else 0.0
         lists.append([s.candidate for place, s in enumerate(ranked) if s.reduction >= enough or place < policy.fewest])
     for place in range(max((len(names) for names in lists), default=0)):
         for names in lists:
@@ -192,7 +198,7 @@ def _polished(system: TrialSystem, fit: ModelFit, policy: Policy) -> ModelFit:
     return min((ended, again), key=_cost)
 
 
-def _without_idle(system: TrialSystem, fit: ModelFit) -> ModelFit:
+def _without_idle(system: TrialSystem, fit: ModelFit, policy: Policy) -> ModelFit:
     """The fit with those thresholds of its last effect back at none that no trial reaches: others may reach them."""
     *rest, term = fit.model
     if not term.candidate.extra_starts:
@@ -200,7 +206,9 @@ def _without_idle(system: TrialSystem, fit: ModelFit) -> ModelFit:
     before = loss_at(system, fit.model, fit.starts)
     for name in term.candidate.strengths:
         idle = Term(term.candidate, term.values | {name: term.candidate.null[name]})
-        if loss_at(system, (*rest, idle), fit.starts) <= before + _IDLE and idle.values != dict(term.candidate.null):
+        if loss_at(system, (*rest, idle), fit.starts) <= before + policy.idle and idle.values != dict(
+            term.candidate.null
+        ):
             term = idle
     return fit_at(system, (*rest, term), fit.starts)
 

@@ -15,7 +15,7 @@ DECIDES = {
         "smaller p-value|loss that a linear step takes off whole trials|share of the best score",
         "<|>=",
     ),
-    Reason.OUTRANKED: ("rank by (held-out gain|direct loss|held-out loss)|models that were fitted", "<=?"),
+    Reason.OUTRANKED: ("rank by (held-out gain|direct loss|held-out loss|loss)|models that were fitted", "<=?"),
     Reason.NOT_SIGNIFICANT: ("(adjusted )?p-value|p of the direct losses", "<"),
     Reason.TOO_SMALL: (
         "share of the loss removed|gain of the direct losses|held-out loss per row that it takes off",
