@@ -261,6 +261,11 @@ def test_links_stand_where_the_source_has_them(package: Released, judge: Callabl
             assert turn_deg < MOST_DEG, (name, state)
 
 
+def test_outside_validators_and_the_gate_pass_the_package(package: Released) -> None:
+    checks = {check.name: check.passed for check in present(package.record.acceptance).validators}
+    assert checks == dict.fromkeys(("simready", "usd-validation", "mana gate"), True)
+
+
 def test_engines_weigh_the_links_alike(package: Released) -> None:
     model = mujoco.MjModel.from_xml_path(str(next((package.folder / "export").glob("*.xml"))))
     for link in package.record.physics.links:
