@@ -34,6 +34,7 @@ MECHANISMS = {
     "robot_arm": "mjcf/dmc_robot_arm_mjcf/robot_arm.xml",  # joints that are not at zero at rest
     "fridge": "urdf/habitat_fridge_urdf/fridge.urdf",
     "cartpole": "usd/nwt_cartpole_usda/cartpole.usda",  # scaled bodies, joints without limits
+    "fourbar": "usd/nwt_fourbar_usda/boxes_fourbar.usda",  # a loop, a joint from child to parent
 }
 STATES = 20
 MOST_M, MOST_DEG = 1e-4, 0.05
@@ -58,8 +59,17 @@ class Released:
         return [link.name for link in self.record.physics.links]
 
     @property
+    def joints(self) -> list[dict]:
+        """The joints of the tree, as the record has them."""
+        return [joint for joint in joints_on(self.record) if not joint.get("closes_loop")]
+
+    @property
     def root(self) -> str:
         return self.links[0]
+
+
+def joints_on(record: AssetRecord) -> list[dict]:
+    return [joint.value for joint in record.physics.joints]
 
 
 @pytest.fixture(scope="module", params=list(MECHANISMS))
@@ -73,7 +83,7 @@ def package(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     folder = out / item["packages"][0]
     record = AssetRecord.model_validate_json((folder / "record.json").read_bytes())
     rng = np.random.default_rng(7)
-    joints = [joint.value for joint in record.physics.joints]
+    joints = [joint for joint in joints_on(record) if not joint.get("closes_loop")]
     return Released(
         source,
         shared_assets.joinpath(*Path(MECHANISMS[request.param]).parts[:2]),
@@ -107,7 +117,7 @@ def from_source(package: Released) -> Callable[[Positions], Poses]:
     posed = source_poses(package)
     geometry, physics = package.record.geometry, package.record.physics
     X_AM = pose(matrix_of(np.array(geometry.source_quat_wxyz)), geometry.origin_offset_m)
-    joints = [joint.value for joint in physics.joints]
+    joints = package.joints
     sources = {joint["name"]: joint.get("source_name", joint["name"]) for joint in joints}
     at_rest = posed({sources[j["name"]]: float(j.get("rest_rad", j.get("rest_m", 0.0))) for j in joints})
 
@@ -126,7 +136,7 @@ def from_source(package: Released) -> Callable[[Positions], Poses]:
 def source_poses(package: Released) -> Callable[[Positions], Poses]:
     """Poses of the links of the source, by their names there, at positions of its joints."""
     if package.source.suffix == ".usda":
-        return stage_poses(package.source)
+        return stage_poses(package.source, package.record.physics.links[0].members[-1])
     read_description = read_urdf if package.source.suffix == ".urdf" else read_mjcf
     description = read_description(package.source, package.source_root)
     return lambda positions: link_poses(description, positions)
@@ -145,12 +155,16 @@ class UsdJoint(NamedTuple):
 
 
 def moving_joints(stage: Usd.Stage) -> list[Usd.Prim]:
-    """The hinges and slides of a stage."""
-    return [p for p in stage.Traverse() if p.IsA(UsdPhysics.RevoluteJoint) or p.IsA(UsdPhysics.PrismaticJoint)]
+    """The hinges and slides of a stage that make up its tree."""
+    joints = [p for p in stage.Traverse() if p.IsA(UsdPhysics.RevoluteJoint) or p.IsA(UsdPhysics.PrismaticJoint)]
+    return [p for p in joints if not UsdPhysics.Joint(p).GetExcludeFromArticulationAttr().Get()]
 
 
-def stage_poses(file: Path) -> Callable[[Positions], Poses]:
-    """By the frames and axes of UsdPhysics joints alone, as the file has them; bodies by the names of their prims."""
+def stage_poses(file: Path, root: str) -> Callable[[Positions], Poses]:
+    """By the frames and axes of UsdPhysics joints alone, as the file has them; bodies by the names of their prims.
+
+    `root` stays where it is; joints may lead to it or away from it. Those without a position close loops.
+    """
     stage = Usd.Stage.Open(str(file))
     cache = UsdGeom.XformCache()
 
@@ -171,19 +185,21 @@ def stage_poses(file: Path) -> Callable[[Positions], Poses]:
         rest |= {parent: X_WP, child: X_WC}
         axis, slides = AXES[prim.GetAttribute("physics:axis").Get()], prim.IsA(UsdPhysics.PrismaticJoint)
         joints.append(UsdJoint(prim.GetName(), parent, child, X_PJ, X_CJ, axis, slides))
-    (root,) = rest.keys() - {joint.child for joint in joints}
 
     def poses(state: Positions) -> Poses:
         X_WL = {root: rest[root]}
-        waiting = list(joints)
+        waiting = [joint for joint in joints if joint.name in state]
         while waiting:
             joint = waiting.pop(0)
-            if joint.parent not in X_WL:
-                waiting.append(joint)
-                continue
             q = state[joint.name]
             moved = pose(None, q * joint.axis) if joint.slides else pose(rotation_about(joint.axis, q))
-            X_WL[joint.child] = X_WL[joint.parent] @ joint.X_PJ @ moved @ inverse(joint.X_CJ)
+            X_PC = joint.X_PJ @ moved @ inverse(joint.X_CJ)
+            if joint.parent in X_WL:
+                X_WL[joint.child] = X_WL[joint.parent] @ X_PC
+            elif joint.child in X_WL:
+                X_WL[joint.parent] = X_WL[joint.child] @ inverse(X_PC)
+            else:
+                waiting.append(joint)
         return X_WL
 
     return poses
@@ -194,7 +210,7 @@ def main_usd(package: Released) -> Path:
 
 
 def from_usd(package: Released) -> Callable[[Positions], Poses]:
-    return stage_poses(main_usd(package))
+    return stage_poses(main_usd(package), package.root)
 
 
 class BulletTwin(NamedTuple):
@@ -276,7 +292,8 @@ def test_engines_weigh_the_links_alike(package: Released) -> None:
 
 def test_limits_are_those_of_the_record(package: Released) -> None:
     model = mujoco.MjModel.from_xml_path(str(next((package.folder / "export").glob("*.xml"))))
-    for joint in (evidence.value for evidence in package.record.physics.joints):
+    assert model.njnt == len(package.joints)
+    for joint in package.joints:
         limits = joint.get("limits_rad") or joint.get("limits_m")
         in_engine = model.joint(joint["name"])
         assert bool(model.jnt_limited[in_engine.id]) == (limits is not None)
@@ -314,8 +331,16 @@ def test_usd_and_pybullet_have_the_joints_limits_and_masses_of_the_record(packag
     masses, limits = judge(package)
     physics = package.record.physics
     assert masses == pytest.approx({link.name: link.mass_kg.value for link in physics.links}, rel=1e-5)
-    joints = {joint["name"]: joint for joint in (evidence.value for evidence in physics.joints)}
+    joints = {joint["name"]: joint for joint in package.joints}
     assert limits.keys() == joints.keys()
     for name, joint in joints.items():
         stated = joint.get("limits_rad") or joint.get("limits_m")
         assert limits[name] == (None if stated is None else pytest.approx(stated, abs=1e-5)), name
+
+
+def test_joints_that_close_loops_are_outside_the_articulation(package: Released) -> None:
+    stage = Usd.Stage.Open(str(main_usd(package)))
+    joints = {p.GetName(): UsdPhysics.Joint(p) for p in stage.Traverse() if p.IsA(UsdPhysics.Joint)}
+    excluded = {name: bool(joint.GetExcludeFromArticulationAttr().Get()) for name, joint in joints.items()}
+    assert excluded == {j["name"]: j.get("closes_loop", False) for j in joints_on(package.record)}
+    assert any(excluded.values()) == (package.source.stem == "boxes_fourbar")
