@@ -135,6 +135,8 @@ class _Reduction:
 
     def _rest(self, joints: Mapping[str, _Joint]) -> dict[str, float]:
         """Positions of the rest state: the reference, or the next position within the limits, of followers too."""
+        if self.loops:
+            return {name: j.described.reference for name, j in joints.items()}
         span = {
             name: (j.limits.lower, j.limits.upper) if j.limits is not None else (-np.inf, np.inf)
             for name, j in joints.items()
@@ -148,8 +150,6 @@ class _Reduction:
                 if max(least, low) <= min(most, high):
                     narrowed[leader] = max(least, low), min(most, high)
         rest: dict[str, float] = {}
-        if self.loops:
-            return {name: j.described.reference for name, j in joints.items()}
         for name, j in joints.items():
             leader, gain, offset = leaders[name]
             at = float(np.clip(joints[leader].described.reference, *narrowed[leader]))

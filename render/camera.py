@@ -6,11 +6,13 @@ edge of the box as unit of length: pictures of a 1 mm screw and a 400 m ship loo
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from schemas.arrays import FloatArray
+from schemas.model import Mesh, Model
 
 FIELD_OF_VIEW_RAD = float(np.radians(26.0))  # Long lens: little perspective, as in a product photograph.
 FILL = 0.94  # Share of the picture that the box may cover; few objects reach the corners of their box.
@@ -54,6 +56,28 @@ def annotation_frame(low_m: FloatArray, high_m: FloatArray) -> AnnotationFrame:
     if size.max() <= 0.0:
         size = np.ones(3)
     return AnnotationFrame(centre, float(size.max()), size / size.max())
+
+
+def model_frame(model: Model) -> AnnotationFrame:
+    """The annotation frame of the finite points that triangles of `model` use; a unit box without any."""
+    return frame_around(map(used_points, model.meshes))
+
+
+def frame_around(clouds: Iterable[FloatArray]) -> AnnotationFrame:
+    """The annotation frame of the box that holds all clouds (n, 3); a unit box without any point."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for points in clouds:
+        if len(points):
+            low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
+    if not np.isfinite(low).all():
+        low, high = np.full(3, -0.5), np.full(3, 0.5)
+    return annotation_frame(low, high)
+
+
+def used_points(mesh: Mesh) -> FloatArray:
+    """(n, 3) the finite points that triangles of the mesh use."""
+    used = mesh.points[np.unique(mesh.triangles)]
+    return used[np.isfinite(used).all(axis=1)]
 
 
 @dataclass(frozen=True)

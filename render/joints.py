@@ -19,7 +19,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkRenderWindow
 
 from geom.mechanism_pose import link_motions, movable_joints, opened
 from geom.pose import apply, pose
-from render.camera import HERO_VIEW, AnnotationFrame, CameraView, annotation_frame, camera
+from render.camera import HERO_VIEW, AnnotationFrame, CameraView, camera, frame_around, used_points
 from render.joints_request import JointsRequest
 from render.ready_studio import take_studio
 from render.studio import BACKGROUND_SRGB, floor
@@ -133,14 +133,8 @@ class _PosedScene:
 
 def swept_frame(model: Model, motions: Sequence[Mapping[str, FloatArray]]) -> AnnotationFrame:
     """The annotation frame of the box that holds the finite points of the model in all poses."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for mesh in model.meshes:
-        points = mesh.points[np.unique(mesh.triangles)]
-        points = points[np.isfinite(points).all(axis=1)]
-        for motion in motions if len(points) else ():
-            moved = apply(motion[mesh.link], points)
-            low, high = np.minimum(low, moved.min(axis=0)), np.maximum(high, moved.max(axis=0))
-    return annotation_frame(low, high) if np.isfinite(low).all() else annotation_frame(np.zeros(3), np.zeros(3))
+    points = [(mesh.link, used_points(mesh)) for mesh in model.meshes]
+    return frame_around(apply(motion[link], of_mesh) for link, of_mesh in points for motion in motions)
 
 
 def _drawn_links(

@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
-from render.camera import HERO_VIEW, AnnotationFrame, annotation_frame, camera
+from render.camera import HERO_VIEW, AnnotationFrame, camera, model_frame
 from render.collision import collision_actors, shape_mesh
 from render.grasps import grasp_actors, half_extents
 from render.joints import draw_strip
@@ -20,7 +20,6 @@ from render.surface_samples import surface_samples
 from render.surfaces import ShadedSurface, actor, plain_actor, surfaces
 from render.textures import TextureSet
 from render.window import SUPERSAMPLING, enable_depth_peeling, save_png, take_picture
-from schemas.model import Model
 
 THUMBNAIL_PX = 256
 _FAINT = (0.55, 0.55, 0.55)
@@ -113,16 +112,3 @@ def _draw_grasps(
         renderer.AddActor(lines)
     lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * half_extents(request.grasps, frame)))
     return take_picture(window, renderer, lens, request.size_px)
-
-
-def model_frame(model: Model) -> AnnotationFrame:
-    """The annotation frame of the finite points that triangles of `model` use; a unit box without any."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for mesh in model.meshes:
-        used = mesh.points[np.unique(mesh.triangles)]
-        used = used[np.isfinite(used).all(axis=1)]
-        if len(used):
-            low, high = np.minimum(low, used.min(axis=0)), np.maximum(high, used.max(axis=0))
-    if not np.isfinite(low).all():
-        low, high = np.full(3, -0.5), np.full(3, 0.5)
-    return annotation_frame(low, high)

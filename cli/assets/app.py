@@ -269,7 +269,7 @@ def render_command(
     """Render four standard views, a thumbnail and, for a package, its collision shapes; or a GIF of moving joints.
 
     Joints move from the limit nearer to the rest state to the other one and back, all together unless --joint names
-    some; joints without limits make one turn, joints that follow others do so. A rigid object is refused
+    some; joints without limits make one turn, joints that follow others move with these. A rigid object is refused
     (asset/missing-joint).
 
     Examples: `mana assets render library/mug --out pictures`, `mana assets render library/microwave --joints --out

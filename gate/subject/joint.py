@@ -84,8 +84,16 @@ class Joint:
         if self.kind == "revolute":
             swing = shortest_rotation(axis, turn @ axis)
             twist = Rotation.from_matrix(swing.T @ turn).as_rotvec()
-            return JointRestState(float(np.rad2deg(axis @ twist)), gap_m, _degrees(swing))
+            return JointRestState(self._nearest_turn(float(np.rad2deg(axis @ twist))), gap_m, _degrees(swing))
         return JointRestState(0.0, gap_m, _degrees(turn) if self.kind == "fixed" else 0.0)
+
+    def _nearest_turn(self, angle_deg: float) -> float:
+        """The angle is known up to full turns: the one nearest to the limits."""
+        lower, upper = self.limits
+        if not lower <= upper:
+            return angle_deg
+        turns = [angle_deg + 360.0 * k for k in (0, -1, 1)]
+        return min(turns, key=lambda angle: max(lower - angle, angle - upper, 0.0))
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ def test_links_that_do_not_move_are_a_plain_object(tmp_path: Path) -> None:
     assert reading.X_ML["b"][:3, 3] == pytest.approx([0.5, 0, 0])  # where it is locked
 
 
-def test_reversed_limits_are_swapped_and_missing_ones_told(tmp_path: Path) -> None:
+def test_reversed_limits_are_swapped_and_missing_ones_reported(tmp_path: Path) -> None:
     two = link("a", BOX) + link("b", BOX)
     swapped = reading_of(urdf(two, joint("j", "a", "b", "revolute", LIMIT.format(1, -2))), tmp_path)
     assert present(swapped.mechanism).joints[0].limits == (-2.0, 1.0)
@@ -106,7 +106,7 @@ def test_at_rest_joints_stand_within_their_limits_followers_too(tmp_path: Path) 
         assert frames[name] == pytest.approx(turn @ rest_frame, abs=1e-9)
 
 
-def test_joints_to_the_world_and_empty_leaves_are_left_out_and_told(tmp_path: Path) -> None:
+def test_joints_to_the_world_and_empty_leaves_are_left_out_and_reported(tmp_path: Path) -> None:
     door = '<body name="door"><joint name="h" axis="0 0 1"/><geom size="1"/>{}</body>\n'
     flap = '<body name="flap"><joint name="f"/><geom size="1"/></body><body name="eye"><joint name="e"/></body>'
     reading = reading_of(mjcf(door.format(flap)), tmp_path)

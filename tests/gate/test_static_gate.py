@@ -16,6 +16,7 @@ from pxr import Usd, UsdGeom, UsdPhysics
 
 from gate.rules.collider import collider_cavity
 from gate.static_gate import RULES, gate
+from gate.subject import Subject
 from geom.convex.penetration import box_overlap, penetration_depth, shared_volume
 from geom.solid.solid_volume import volume_properties
 from schemas.diagnostics import Diagnostic
@@ -24,6 +25,9 @@ from schemas.physics import Solid
 from tests.support import package_samples as samples
 from tests.support.bad_inputs.assets import joined
 from tests.support.gate_packages import cabinet
+from tests.support.mechanism_samples import JOINTS, LINKS, articulated
+from tests.support.present import present
+from usdio.stage import open_stage
 from usdio.write.package import write_package
 
 
@@ -95,6 +99,34 @@ def test_hollow_things_pass(tmp_path: Path) -> None:
 @pytest.mark.parametrize("scale", [0.4, 1.0, 2.5])
 def test_cabinets_of_any_size_pass(scale: float, tmp_path: Path) -> None:
     assert gate(cabinet(tmp_path, scale)) == ()
+
+
+def mechanism_package(folder: Path, **changes: object) -> Path:
+    """The small mechanism of the tests, its tray moved into its door."""
+    content = articulated()
+    shift = np.subtract(LINKS[1][1], LINKS[2][1]) * 0.9
+    meshes = [samples.replace(m, points=m.points + shift * (m.link == "tray")) for m in content.model.meshes]
+    shapes = tuple(samples.hull_shape(mesh) for mesh in meshes)
+    moved = samples.replace(content, model=samples.model(meshes), shapes=shapes)
+    return write_package(samples.replace(moved, **changes), folder / content.asset_id)
+
+
+def test_links_that_a_filtered_pair_names_may_overlap(tmp_path: Path) -> None:
+    def severities(package: Path) -> list[str]:
+        return [d.severity for d in gate(package) if d.code == "asset/gate-links-overlap"]
+
+    assert severities(mechanism_package(tmp_path / "filtered")) == ["warning"]
+    assert severities(mechanism_package(tmp_path / "colliding", filtered_pairs=())) == ["error"]
+
+
+def test_a_hinge_at_rest_beyond_half_a_turn_is_at_its_angle(tmp_path: Path) -> None:
+    mechanism = present(articulated().mechanism)
+    hinge = samples.replace(JOINTS[0], rest=3.6, limits=(3.5, 5.0), spring_rest=3.5)
+    joints = (hinge, samples.replace(JOINTS[1], coupling=None), JOINTS[2])
+    package = mechanism_package(tmp_path, mechanism=samples.replace(mechanism, joints=joints))
+    (joint,) = (j for j in Subject(open_stage(package), package).joints if j.path.endswith("/hinge"))
+    assert present(joint.rest()).coordinate == pytest.approx(np.degrees(3.6), abs=1e-3)
+    assert "asset/gate-joint-rest" not in [d.code for d in gate(package)]
 
 
 def test_real_foreign_files_have_no_false_error(shared_assets: Path) -> None:

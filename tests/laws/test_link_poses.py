@@ -1,8 +1,9 @@
 """The links of an articulated package stand where the source puts them, at any joint positions, in every engine.
 
 Real mechanisms are ingested; then at random positions within the limits the poses of all links agree to 0.1 mm and
-0.05 degrees: of the source (`formats.link_poses`), of the USD by its joint frames alone, of PyBullet with the URDF twin
-and of MuJoCo with the MJCF export.
+0.05 degrees: of the source (`formats.link_poses`, or the joint frames of a stage alone), of the USD by its joint frames
+alone, of PyBullet with the URDF twin and of MuJoCo with the MJCF export. All three have the joints, limits and masses
+of the record.
 """
 
 from __future__ import annotations
@@ -32,6 +33,8 @@ MECHANISMS = {
     "oven": "mjcf/furniture_sim/oven.xml",  # sliding joints that follow hinges
     "robot_arm": "mjcf/dmc_robot_arm_mjcf/robot_arm.xml",  # joints that are not at zero at rest
     "fridge": "urdf/habitat_fridge_urdf/fridge.urdf",
+    "cartpole": "usd/nwt_cartpole_usda/cartpole.usda",  # scaled bodies, joints without limits
+    "fourbar": "usd/nwt_fourbar_usda/boxes_fourbar.usda",  # a loop, a joint from child to parent
 }
 STATES = 20
 MOST_M, MOST_DEG = 1e-4, 0.05
@@ -56,8 +59,17 @@ class Released:
         return [link.name for link in self.record.physics.links]
 
     @property
+    def joints(self) -> list[dict]:
+        """The joints of the tree, as the record has them."""
+        return [joint for joint in joints_on(self.record) if not joint.get("closes_loop")]
+
+    @property
     def root(self) -> str:
         return self.links[0]
+
+
+def joints_on(record: AssetRecord) -> list[dict]:
+    return [joint.value for joint in record.physics.joints]
 
 
 @pytest.fixture(scope="module", params=list(MECHANISMS))
@@ -71,7 +83,7 @@ def package(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     folder = out / item["packages"][0]
     record = AssetRecord.model_validate_json((folder / "record.json").read_bytes())
     rng = np.random.default_rng(7)
-    joints = [joint.value for joint in record.physics.joints]
+    joints = [joint for joint in joints_on(record) if not joint.get("closes_loop")]
     return Released(
         source,
         shared_assets.joinpath(*Path(MECHANISMS[request.param]).parts[:2]),
@@ -102,26 +114,32 @@ def relative(X_WL: Poses, root: str) -> Poses:
 
 def from_source(package: Released) -> Callable[[Positions], Poses]:
     """What a link moved by since rest, as the source has it, applied to its pose at rest in the package."""
-    read_description = read_urdf if package.source.suffix == ".urdf" else read_mjcf
-    description = read_description(package.source, package.source_root)
+    posed = source_poses(package)
     geometry, physics = package.record.geometry, package.record.physics
     X_AM = pose(matrix_of(np.array(geometry.source_quat_wxyz)), geometry.origin_offset_m)
-    joints = [joint.value for joint in physics.joints]
+    joints = package.joints
     sources = {joint["name"]: joint.get("source_name", joint["name"]) for joint in joints}
-    at_rest = link_poses(
-        description, {sources[j["name"]]: float(j.get("rest_rad", j.get("rest_m", 0.0))) for j in joints}
-    )
+    at_rest = posed({sources[j["name"]]: float(j.get("rest_rad", j.get("rest_m", 0.0))) for j in joints})
 
     def poses(state: Positions) -> Poses:
-        now = link_poses(description, {sources[name]: position for name, position in state.items()})
+        now = posed({sources[name]: position for name, position in state.items()})
         X_WL: Poses = {}
         for link in physics.links:
-            member = link.members[0]
+            member = next(name for name in link.members if name in now)
             moved_M = now[member] @ inverse(at_rest[member])
             X_WL[link.name] = X_AM @ moved_M @ inverse(X_AM) @ pose(None, link.origin_m)
         return X_WL
 
     return poses
+
+
+def source_poses(package: Released) -> Callable[[Positions], Poses]:
+    """Poses of the links of the source, by their names there, at positions of its joints."""
+    if package.source.suffix == ".usda":
+        return stage_poses(package.source, package.record.physics.links[0].members[-1])
+    read_description = read_urdf if package.source.suffix == ".urdf" else read_mjcf
+    description = read_description(package.source, package.source_root)
+    return lambda positions: link_poses(description, positions)
 
 
 class UsdJoint(NamedTuple):
@@ -136,56 +154,84 @@ class UsdJoint(NamedTuple):
     slides: bool
 
 
-def from_usd(package: Released) -> Callable[[Positions], Poses]:
-    """By the frames and axes of UsdPhysics joints alone, in degrees as the file has them."""
-    stage = Usd.Stage.Open(str(next((package.folder / "usd").glob("*.usda"))))
-    rest = {
-        name: np.array(UsdGeom.XformCache().GetLocalToWorldTransform(stage.GetDefaultPrim().GetChild(name))).T
-        for name in package.links
-    }
+def moving_joints(stage: Usd.Stage) -> list[Usd.Prim]:
+    """The hinges and slides of a stage that make up its tree."""
+    joints = [p for p in stage.Traverse() if p.IsA(UsdPhysics.RevoluteJoint) or p.IsA(UsdPhysics.PrismaticJoint)]
+    return [p for p in joints if not UsdPhysics.Joint(p).GetExcludeFromArticulationAttr().Get()]
 
-    def frame(prim: Usd.Prim, side: int) -> FloatArray:
+
+def stage_poses(file: Path, root: str) -> Callable[[Positions], Poses]:
+    """By the frames and axes of UsdPhysics joints alone, as the file has them; bodies by the names of their prims.
+
+    `root` stays where it is; joints may lead to it or away from it. Those without a position close loops.
+    """
+    stage = Usd.Stage.Open(str(file))
+    cache = UsdGeom.XformCache()
+
+    def end(prim: Usd.Prim, side: int) -> tuple[str, FloatArray, FloatArray]:
+        """Name and world transform of a body, and the joint's frame in it; only the position takes its scale."""
+        (target,) = prim.GetRelationship(f"physics:body{side}").GetTargets()
+        X_WB = np.array(cache.GetLocalToWorldTransform(stage.GetPrimAtPath(target))).T
         quat = prim.GetAttribute(f"physics:localRot{side}").Get()
         position = np.array(prim.GetAttribute(f"physics:localPos{side}").Get(), dtype=np.float64)
-        return pose(matrix_of(np.array([quat.GetReal(), *quat.GetImaginary()])), position)
+        scale = np.linalg.norm(X_WB[:3, :3], axis=0)
+        X_BJ = pose(matrix_of(np.array([quat.GetReal(), *quat.GetImaginary()])), position * scale)
+        return target.name, pose(X_WB[:3, :3] / scale, X_WB[:3, 3]), X_BJ
 
-    joints = [
-        UsdJoint(
-            prim.GetName(),
-            prim.GetRelationship("physics:body0").GetTargets()[0].name,
-            prim.GetRelationship("physics:body1").GetTargets()[0].name,
-            frame(prim, 0),
-            frame(prim, 1),
-            AXES[prim.GetAttribute("physics:axis").Get()],
-            prim.IsA(UsdPhysics.PrismaticJoint),
-        )
-        for prim in stage.Traverse()
-        if prim.IsA(UsdPhysics.Joint)
-    ]
+    joints: list[UsdJoint] = []
+    rest: Poses = {}
+    for prim in moving_joints(stage):
+        (parent, X_WP, X_PJ), (child, X_WC, X_CJ) = end(prim, 0), end(prim, 1)
+        rest |= {parent: X_WP, child: X_WC}
+        axis, slides = AXES[prim.GetAttribute("physics:axis").Get()], prim.IsA(UsdPhysics.PrismaticJoint)
+        joints.append(UsdJoint(prim.GetName(), parent, child, X_PJ, X_CJ, axis, slides))
 
     def poses(state: Positions) -> Poses:
-        X_WL = {package.root: rest[package.root]}
-        waiting = list(joints)
+        X_WL = {root: rest[root]}
+        waiting = [joint for joint in joints if joint.name in state]
         while waiting:
             joint = waiting.pop(0)
-            if joint.parent not in X_WL:
-                waiting.append(joint)
-                continue
             q = state[joint.name]
             moved = pose(None, q * joint.axis) if joint.slides else pose(rotation_about(joint.axis, q))
-            X_WL[joint.child] = X_WL[joint.parent] @ joint.X_PJ @ moved @ inverse(joint.X_CJ)
+            X_PC = joint.X_PJ @ moved @ inverse(joint.X_CJ)
+            if joint.parent in X_WL:
+                X_WL[joint.child] = X_WL[joint.parent] @ X_PC
+            elif joint.child in X_WL:
+                X_WL[joint.parent] = X_WL[joint.child] @ inverse(X_PC)
+            else:
+                waiting.append(joint)
         return X_WL
 
     return poses
 
 
-def from_bullet(package: Released) -> Callable[[Positions], Poses]:
+def main_usd(package: Released) -> Path:
+    return next((package.folder / "usd").glob("*.usda"))
+
+
+def from_usd(package: Released) -> Callable[[Positions], Poses]:
+    return stage_poses(main_usd(package), package.root)
+
+
+class BulletTwin(NamedTuple):
+    """The URDF twin in PyBullet; `joints` are PyBullet's rows of `getJointInfo`."""
+
+    client: int
+    body: int
+    joints: list[tuple]
+
+
+def in_bullet(package: Released) -> BulletTwin:
+    """With a free base: of a fixed one PyBullet gives no mass."""
     client = pybullet.connect(pybullet.DIRECT)
     twin = next((package.folder / "export").glob("*.urdf"))
-    body = pybullet.loadURDF(
-        str(twin), useFixedBase=True, flags=pybullet.URDF_USE_INERTIA_FROM_FILE, physicsClientId=client
-    )
-    infos = [pybullet.getJointInfo(body, i, client) for i in range(pybullet.getNumJoints(body, client))]
+    body = pybullet.loadURDF(str(twin), flags=pybullet.URDF_USE_INERTIA_FROM_FILE, physicsClientId=client)
+    joints = [pybullet.getJointInfo(body, i, client) for i in range(pybullet.getNumJoints(body, client))]
+    return BulletTwin(client, body, joints)
+
+
+def from_bullet(package: Released) -> Callable[[Positions], Poses]:
+    client, body, infos = in_bullet(package)
     numbers = {info[1].decode(): info[0] for info in infos}
     children = {info[12].decode(): info[0] for info in infos}
     base = pybullet.getDynamicsInfo(body, -1, client)
@@ -231,6 +277,11 @@ def test_links_stand_where_the_source_has_them(package: Released, judge: Callabl
             assert turn_deg < MOST_DEG, (name, state)
 
 
+def test_outside_validators_and_the_gate_pass_the_package(package: Released) -> None:
+    checks = {check.name: check.passed for check in present(package.record.acceptance).validators}
+    assert checks == dict.fromkeys(("simready", "usd-validation", "mana gate"), True)
+
+
 def test_engines_weigh_the_links_alike(package: Released) -> None:
     model = mujoco.MjModel.from_xml_path(str(next((package.folder / "export").glob("*.xml"))))
     for link in package.record.physics.links:
@@ -241,10 +292,55 @@ def test_engines_weigh_the_links_alike(package: Released) -> None:
 
 def test_limits_are_those_of_the_record(package: Released) -> None:
     model = mujoco.MjModel.from_xml_path(str(next((package.folder / "export").glob("*.xml"))))
-    for joint in (evidence.value for evidence in package.record.physics.joints):
+    assert model.njnt == len(package.joints)
+    for joint in package.joints:
         limits = joint.get("limits_rad") or joint.get("limits_m")
         in_engine = model.joint(joint["name"])
         assert bool(model.jnt_limited[in_engine.id]) == (limits is not None)
         if limits is not None:
             assert in_engine.range == pytest.approx(limits, abs=1e-6)
         assert in_engine.axis == pytest.approx(present(joint["axis"]), abs=1e-6)
+
+
+Limits = tuple[float, float] | None
+
+
+def numbers_in_usd(package: Released) -> tuple[dict[str, float], dict[str, Limits]]:
+    """Masses of links (kg) and limits of joints (rad, m) by name."""
+    stage = Usd.Stage.Open(str(main_usd(package)))
+    masses = {p.GetName(): UsdPhysics.MassAPI(p) for p in stage.Traverse() if p.HasAPI(UsdPhysics.RigidBodyAPI)}
+    limits: dict[str, Limits] = {}
+    for prim in moving_joints(stage):
+        span = np.array([prim.GetAttribute(f"physics:{end}Limit").Get() for end in ("lower", "upper")])
+        lower, upper = span if prim.IsA(UsdPhysics.PrismaticJoint) else np.radians(span)
+        limits[prim.GetName()] = (lower, upper) if np.isfinite(span).all() else None
+    return {name: api.GetMassAttr().Get() for name, api in masses.items()}, limits
+
+
+def numbers_in_bullet(package: Released) -> tuple[dict[str, float], dict[str, Limits]]:
+    """As `numbers_in_usd`; a joint that turns without end has a lower limit above the upper one in PyBullet."""
+    client, body, joints = in_bullet(package)
+    links = {package.root: -1} | {joint[12].decode(): joint[0] for joint in joints}
+    masses = {name: pybullet.getDynamicsInfo(body, index, client)[0] for name, index in links.items()}
+    limits = {joint[1].decode(): (joint[8], joint[9]) if joint[8] <= joint[9] else None for joint in joints}
+    return masses, limits
+
+
+@pytest.mark.parametrize("judge", [numbers_in_usd, numbers_in_bullet], ids=["usd", "pybullet"])
+def test_usd_and_pybullet_have_the_joints_limits_and_masses_of_the_record(package: Released, judge: Callable) -> None:
+    masses, limits = judge(package)
+    physics = package.record.physics
+    assert masses == pytest.approx({link.name: link.mass_kg.value for link in physics.links}, rel=1e-5)
+    joints = {joint["name"]: joint for joint in package.joints}
+    assert limits.keys() == joints.keys()
+    for name, joint in joints.items():
+        stated = joint.get("limits_rad") or joint.get("limits_m")
+        assert limits[name] == (None if stated is None else pytest.approx(stated, abs=1e-5)), name
+
+
+def test_joints_that_close_loops_are_outside_the_articulation(package: Released) -> None:
+    stage = Usd.Stage.Open(str(main_usd(package)))
+    joints = {p.GetName(): UsdPhysics.Joint(p) for p in stage.Traverse() if p.IsA(UsdPhysics.Joint)}
+    excluded = {name: bool(joint.GetExcludeFromArticulationAttr().Get()) for name, joint in joints.items()}
+    assert excluded == {j["name"]: j.get("closes_loop", False) for j in joints_on(package.record)}
+    assert any(excluded.values()) == (package.source.stem == "boxes_fourbar")

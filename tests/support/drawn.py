@@ -9,9 +9,9 @@ import numpy as np
 from PIL import Image
 
 from geom.mesh.primitives import cube
-from render.camera import STANDARD_VIEWS, CameraView, PinholeCamera, camera
+from render.camera import STANDARD_VIEWS, CameraView, PinholeCamera, camera, model_frame
 from render.request import RenderRequest
-from render.views import model_frame, render_all
+from render.views import render_all
 from schemas.evidence import Evidence
 from schemas.model import Material, Mesh, Model, Texture, TextureUse
 from schemas.physics import CollisionShape

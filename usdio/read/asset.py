@@ -109,10 +109,10 @@ def _linked(
     meshes: tuple[Mesh, ...], moving: StageMechanism | None
 ) -> tuple[tuple[Mesh, ...], Mechanism | None, tuple[Repair, ...]]:
     """The meshes with their links, and the mechanism whose sliding joints all end somewhere."""
-    if moving is None or moving.mechanism is None:
+    if moving is None or moving.reading.mechanism is None:
         return meshes, None, ()
     size = float(np.linalg.norm(np.ptp(np.concatenate([mesh.points for mesh in meshes]), axis=0)))
-    mechanism, repairs = with_slide_limits(moving.mechanism, size)
+    mechanism, repairs = with_slide_limits(moving.reading.mechanism, size)
     linked = [replace(m, link=moving.link_of[m.source_path]) for m in meshes if m.source_path in moving.link_of]
     return tuple(linked), mechanism, repairs
 

@@ -12,14 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics
-from scipy.spatial.transform import Rotation
 
 from formats.mechanism import MechanismReading, read_mechanism
+from formats.tree import check_mimics
 from geom.pose import inverse, matrix_of, pose
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.identifiers import unique_identifiers
-from schemas.mechanism import Mechanism
 from schemas.model import Mesh
 from schemas.robot_description import (
     WORLD_LINK,
@@ -31,6 +30,7 @@ from schemas.robot_description import (
     RobotDescription,
     SourceLine,
 )
+from usdio.joint_frames import AXES, joint_position
 from usdio.joint_names import LEADER, MULTIPLIER, OFFSET
 from usdio.read.gprim_placement import column_matrix
 from usdio.read.meshes import EARLIEST
@@ -41,31 +41,30 @@ _KINDS: Mapping[str, JointKind] = {
     "PhysicsPrismaticJoint": "prismatic",
     "PhysicsSphericalJoint": "ball",
 }
-_AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
 _LEAST_QUATERNION = 1e-6  # shorter ones have no direction
 
 
 @dataclass(frozen=True)
 class StageMechanism:
-    """The mechanism of a stage, the link of each of its meshes by `Mesh.source_path`, and findings."""
+    """What moves in a stage, with findings, and the link of each of its meshes by `Mesh.source_path`."""
 
-    mechanism: Mechanism | None
-    link_of: Mapping[str, str]
     reading: MechanismReading
+    link_of: Mapping[str, str]
 
 
 def stage_mechanism(stage: Usd.Stage, meshes: Sequence[Mesh], where: Location) -> StageMechanism | None:
     """None for a stage without joints between bodies.
 
     Raises InvalidInput as `read_mechanism` does, `robot/not-expressible` for joints of other kinds,
-    `robot/several-roots` for bodies with meshes that no joint connects with the others, `robot/zero-axis`.
+    `robot/several-roots` for bodies with meshes that no joint connects with the others, `robot/zero-axis`, and for
+    couplings as `check_mimics` does.
     """
     return _StageReader(stage, meshes, where).read()
 
 
 @dataclass
 class _Edge:
-    """A joint with its two links, and its frame in the world by either side; `positive`: from first to second."""
+    """A joint with its two links, and its frame in the world by either side."""
 
     prim: Usd.Prim
     first: str
@@ -88,6 +87,7 @@ class _StageReader:
         unique = unique_identifiers([p.GetName() for p in self.joints], "joint")
         self.joint_name = {str(p.GetPath()): n for p, n in zip(self.joints, unique, strict=True)}
         self.roots = [p for p in prims if p.HasAPI(UsdPhysics.ArticulationRootAPI)]
+        self.source = SourceLine(where.file or "")
         self.cache = UsdGeom.XformCache(EARLIEST)
         self.notes: list[Diagnostic] = []
 
@@ -100,6 +100,7 @@ class _StageReader:
             link_of = self._without_surroundings(link_of)
         shaped = set(link_of.values())
         tree, loops = self._tree(edges)
+        check_mimics([*tree, *loops])
         links = tuple(DescribedLink(name) for name in (WORLD_LINK, *self.prim_of))
         joined = {WORLD_LINK, *(j.child for j in tree)}
         joints = (*tree, *self._unjoined(links, joined, shaped))
@@ -109,12 +110,12 @@ class _StageReader:
             links,
             joints,
             WORLD_LINK,
-            source=self._line(None),
+            source=self.source,
         )
         reading = read_mechanism(description, shaped, loops)
         reading = replace(reading, notes=(*self.notes, *reading.notes))
         placed = self._with_prims(reading)
-        return StageMechanism(placed.mechanism, {p: reading.link_of[n] for p, n in link_of.items()}, placed)
+        return StageMechanism(placed, {path: reading.link_of[name] for path, name in link_of.items()})
 
     def _without_surroundings(self, link_of: Mapping[str, str]) -> dict[str, str]:
         """The meshes that bodies hold; others are ground and walls where no joint leads to them."""
@@ -197,7 +198,7 @@ class _StageReader:
         """Where the tree may begin: the world if a joint leads there, else the body that is marked, or none's child."""
         if any(WORLD_LINK in (e.first, e.second) for e in edges):
             return [WORLD_LINK]
-        marked = [n for n, p in self.prim_of.items() if any(p == root for root in self.roots)]
+        marked = [n for n, p in self.prim_of.items() if p in self.roots]
         children = {e.second for e in edges}
         joined = {end for e in edges for end in (e.first, e.second)}
         return [
@@ -208,9 +209,7 @@ class _StageReader:
 
     def _base(self, link: str) -> DescribedJoint:
         """What holds nothing: the base of an articulation is free in the world."""
-        return DescribedJoint(
-            f"base_of_{link}", "floating", WORLD_LINK, link, self._X_WL(link), source=self._line(None)
-        )
+        return DescribedJoint(f"base_of_{link}", "floating", WORLD_LINK, link, self._X_WL(link), source=self.source)
 
     def _unjoined(
         self, links: Sequence[DescribedLink], joined: set[str], shaped: set[str]
@@ -228,16 +227,9 @@ class _StageReader:
         if kind is None:
             self._refuse("robot/not-expressible", f"{edge.prim.GetTypeName()} is not carried over", edge.prim)
         forward = edge.first == parent
-        axis = (
-            _AXES[str(edge.prim.GetAttribute("physics:axis").Get(EARLIEST) or "X")] if kind != "fixed" else _AXES["X"]
-        )
+        axis = AXES[str(edge.prim.GetAttribute("physics:axis").Get(EARLIEST) or "X") if kind != "fixed" else "X"]
         limits = self._limits(edge.prim, kind or "fixed")
-        X_01 = inverse(edge.X_W0) @ edge.X_W1
-        rest = 0.0
-        if kind == "revolute":
-            rest = _twist(axis, X_01[:3, :3], limits)
-        elif kind == "prismatic":
-            rest = float(axis @ X_01[:3, 3])
+        rest = joint_position(kind or "fixed", axis, inverse(edge.X_W0) @ edge.X_W1, limits)
         X_WJ = edge.X_W1 if forward else edge.X_W0  # the frame that moves with the child
         X_CW = inverse(self._X_WL(child))
         axis_W = (1.0 if forward else -1.0) * (X_WJ[:3, :3] @ axis)
@@ -251,7 +243,7 @@ class _StageReader:
             X_CW[:3, :3] @ X_WJ[:3, 3] + X_CW[:3, 3],
             reference=rest,
             limits=limits,
-            source=self._line(edge.prim),
+            source=self.source,
         )
         return replace(self._with_drive(described, edge.prim), mimic=self._mimic(edge.prim, kind or "fixed"))
 
@@ -337,9 +329,6 @@ class _StageReader:
         X = column_matrix(self.cache.GetLocalToWorldTransform(self.prim_of[link]))
         return pose(_rotation(X), X[:3, 3])
 
-    def _line(self, prim: Usd.Prim | None) -> SourceLine:
-        return SourceLine(self.where.file or "")
-
     def _refuse(self, code: str, headline: str, prim: Usd.Prim) -> None:
         where = self.where.model_copy(update={"prim": str(prim.GetPath())})
         raise InvalidInput(finding(code, headline, where=where, severity=Severity.ERROR))
@@ -350,16 +339,6 @@ def _rotation(X: FloatArray) -> FloatArray:
     u, _, v = np.linalg.svd(X[:3, :3])
     u[:, -1] *= np.sign(np.linalg.det(u @ v)) or 1.0
     return u @ v
-
-
-def _twist(axis: FloatArray, R: FloatArray, limits: JointLimits | None) -> float:
-    """The angle (rad) of the turn about `axis` nearest to R; the one nearest to `limits`."""
-    quat = Rotation.from_matrix(R).as_quat()
-    angle = math.remainder(2.0 * math.atan2(float(axis @ quat[:3]), float(quat[3])), math.tau)
-    if limits is None:
-        return angle
-    turns = [angle + k * math.tau for k in (0, -1, 1)]
-    return min(turns, key=lambda turn: max(limits.lower - turn, turn - limits.upper, 0.0))
 
 
 def _enabled(prim: Usd.Prim) -> bool:

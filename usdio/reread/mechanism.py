@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
-from scipy.spatial.transform import Rotation
 
 from geom.convex.placement import moved_shape
 from geom.mass.inertia import combine, moved
@@ -17,9 +16,9 @@ from schemas.arrays import FloatArray
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.mechanism import JointCoupling, Mechanism, MechanismJoint, MechanismJointKind, MechanismLink
 from schemas.physics import RigidBody
+from usdio.joint_frames import AXES, joint_position
 from usdio.joint_names import ARMATURE, FRICTION, LEADER, MULTIPLIER, OFFSET, SPEED
 
-_AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
 _KINDS: dict[str, MechanismJointKind] = {
     "PhysicsRevoluteJoint": "revolute",
     "PhysicsPrismaticJoint": "prismatic",
@@ -46,7 +45,7 @@ def reread_mechanism(stage: Usd.Stage, bodies: list[Usd.Prim], main_file: Path) 
 
 
 def held_at_rest(name: str, bodies: tuple[RigidBody, ...], mechanism: Mechanism) -> RigidBody:
-    """The object as one rigid body in the asset frame, as long as nothing moves; contact is that of the first link."""
+    """The object as one rigid body in the asset frame while nothing moves; contact is that of the heaviest link."""
     origins = {link.name: pose(None, link.origin) for link in mechanism.links}
     shapes = [moved_shape(shape, origins[body.name]) for body in bodies for shape in body.shapes]
     mass = combine([moved(body.mass, origins[body.name]) for body in bodies])
@@ -63,18 +62,11 @@ def _joint(prim: Usd.Prim, frames: dict[str, FloatArray], main_file: Path) -> Me
     parent, child = (targets[0].name for targets in ends)
     X_A0 = frames[parent] @ _local(joint.GetLocalPos0Attr().Get(), joint.GetLocalRot0Attr().Get())
     X_A1 = frames[child] @ _local(joint.GetLocalPos1Attr().Get(), joint.GetLocalRot1Attr().Get())
-    axis = _AXES[str(prim.GetAttribute("physics:axis").Get() or "X")] if kind != "ball" else _AXES["Z"]
-    X_01 = inverse(X_A0) @ X_A1
-    rest, limits = 0.0, None
-    if kind == "revolute":
-        rest = float(axis @ Rotation.from_matrix(X_01[:3, :3]).as_rotvec())
-    elif kind == "prismatic":
-        rest = float(axis @ X_01[:3, 3])
-    if kind != "ball":
-        lower, upper = (float(prim.GetAttribute(f"physics:{n}Limit").Get()) for n in ("lower", "upper"))
-        limits = (lower, upper) if kind == "prismatic" else (math.radians(lower), math.radians(upper))
-        if not all(math.isfinite(v) for v in limits):
-            kind, limits = "continuous", None
+    axis = AXES[str(prim.GetAttribute("physics:axis").Get() or "X") if kind != "ball" else "Z"]
+    limits = _limits(prim, kind)
+    rest = joint_position(kind, axis, inverse(X_A0) @ X_A1, limits)
+    if kind == "revolute" and limits is None:
+        kind = "continuous"
     bare = MechanismJoint(
         prim.GetName(),
         kind,
@@ -88,6 +80,17 @@ def _joint(prim: Usd.Prim, frames: dict[str, FloatArray], main_file: Path) -> Me
         source_name=str(prim.GetCustomDataByKey("mana:sourceName") or prim.GetName()),
     )
     return _with_dynamics(bare, prim)
+
+
+def _limits(prim: Usd.Prim, kind: MechanismJointKind) -> tuple[float, float] | None:
+    """In rad or m, of ball joints (0, angle of the cone); None where the joint moves without end."""
+    if kind == "ball":
+        cone_deg = float(UsdPhysics.SphericalJoint(prim).GetConeAngle0LimitAttr().Get())
+        return (0.0, math.radians(cone_deg)) if cone_deg >= 0.0 else None
+    lower, upper = (float(prim.GetAttribute(f"physics:{n}Limit").Get()) for n in ("lower", "upper"))
+    if not (math.isfinite(lower) and math.isfinite(upper)):
+        return None
+    return (lower, upper) if kind == "prismatic" else (math.radians(lower), math.radians(upper))
 
 
 def _with_dynamics(joint: MechanismJoint, prim: Usd.Prim) -> MechanismJoint:

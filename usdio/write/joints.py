@@ -15,10 +15,10 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 from geom.pose import quat_of, rotation_about, shortest_rotation
 from schemas.arrays import FloatArray
 from schemas.mechanism import Mechanism, MechanismJoint
+from usdio.joint_frames import AXES
 from usdio.joint_names import ARMATURE, FRICTION, LEADER, MULTIPLIER, OFFSET, SPEED
 
 JOINTS = "Joints"
-_AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
 _SCHEMAS = {
     "revolute": UsdPhysics.RevoluteJoint,
     "continuous": UsdPhysics.RevoluteJoint,
@@ -58,11 +58,11 @@ def author_filtered_pairs(stage: Usd.Stage, root: Sdf.Path, pairs: Sequence[tupl
 
 
 def _frames(prim: UsdPhysics.Joint, joint: MechanismJoint, origins: dict[str, FloatArray]) -> None:
-    token = next((t for t, axis in _AXES.items() if np.allclose(joint.axis, axis, atol=1e-9)), "Z")
-    R = np.eye(3) if np.allclose(joint.axis, _AXES[token], atol=1e-9) else shortest_rotation(_AXES[token], joint.axis)
+    token = next((t for t, axis in AXES.items() if np.allclose(joint.axis, axis, atol=1e-9)), "Z")
+    R = np.eye(3) if np.allclose(joint.axis, AXES[token], atol=1e-9) else shortest_rotation(AXES[token], joint.axis)
     if joint.kind != "ball":
         prim.CreateAxisAttr(token)
-    turned = rotation_about(_AXES[token], -joint.rest) if joint.is_angular and joint.kind != "ball" else np.eye(3)
+    turned = rotation_about(AXES[token], -joint.rest) if joint.is_angular and joint.kind != "ball" else np.eye(3)
     slid = joint.rest * joint.axis if joint.kind == "prismatic" else np.zeros(3)
     prim.CreateLocalPos0Attr(_vector(joint.anchor - slid - origins[joint.parent]))
     prim.CreateLocalRot0Attr(_quaternion(R @ turned))

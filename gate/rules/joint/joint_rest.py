@@ -30,9 +30,6 @@ def check(subject: Subject) -> Iterator[Diagnostic]:
         if joint.kind not in ONE_DOF_KINDS or rest is None or not lower <= upper:
             continue
         coordinate = rest.coordinate
-        if joint.kind == "revolute":  # An angle is known up to full turns; take the one nearest to the limits.
-            turns = [coordinate + 360.0 * k for k in (-1, 0, 1)]
-            coordinate = min(turns, key=lambda angle: max(lower - angle, angle - upper, 0.0))
         outside = max(lower - coordinate, coordinate - upper)
         if not outside <= _TOLERANCE[joint.kind]:
             far = outside > _FAR_SHARE * (upper - lower) and np.isfinite(upper - lower)

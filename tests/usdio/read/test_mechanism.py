@@ -30,6 +30,10 @@ def joint(name: str, first: str, second: str, more: str = "", kind: str = "Revol
     return f'def Physics{kind}Joint "{name}" {{\n{ends}{more}\n}}\n'
 
 
+def follower(name: str, first: str, second: str, leader: str) -> str:
+    return joint(name, first, second, f"rel newton:mimicJoint = </Root/{leader}>")
+
+
 def mechanism_of(folder: Path, body: str, header: str = "") -> Mechanism:
     text = f'defaultPrim = "Root"\n metersPerUnit = 1\n upAxis = "Z"\n {header}'
     return present(model_of(write(folder, body, text)).mechanism)
@@ -132,6 +136,8 @@ def test_a_static_cabinet_is_the_base_of_its_door(tmp_path: Path) -> None:
         ("robot/not-expressible", joint("rope", "a", "b", kind="Distance")),
         ("robot/several-roots", joint("hinge", "a", "b")),
         ("robot/invalid-number", joint("hinge", "a", "b", "float physics:lowerLimit = nan") + joint("i", "b", "c")),
+        ("robot/mimic-cycle", follower("i", "a", "b", "j") + follower("j", "b", "c", "i")),
+        ("robot/unknown-reference", joint("k", "a", "a") + follower("i", "a", "b", "k") + joint("j", "b", "c")),
         ("robot/zero-axis", joint("hinge", "a", "b", "quatf physics:localRot0 = (0, 0, 0, 0)") + joint("i", "b", "c")),
     ],
 )

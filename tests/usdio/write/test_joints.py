@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +52,26 @@ def test_a_package_read_back_has_the_joints_and_masses_that_were_written(package
         assert body.mass.centre_of_mass_m + np.array(origin) == pytest.approx(link.mass.centre_of_mass_m, abs=1e-6)
     assert read_back.body.mass.mass_kg == pytest.approx(sum(link.mass.mass_kg for link in wanted_content.links))
     assert len(read_back.body.shapes) == len(LINKS)
+
+
+@pytest.mark.parametrize(
+    "joint",
+    [
+        replace(JOINTS[0], rest=3.6, limits=(3.5, 5.0), spring_rest=3.5),
+        replace(JOINTS[0], kind="ball", axis=np.array([0.0, 0.0, 1.0]), rest=0.0, limits=(0.0, 0.7)),
+    ],
+    ids=["rest beyond half a turn", "cone of a ball joint"],
+)
+def test_rest_and_limits_survive_in_both_readers(joint: MechanismJoint, tmp_path: Path) -> None:
+    content = articulated()
+    joints = (joint, replace(JOINTS[1], coupling=None), JOINTS[2])
+    content = replace(content, mechanism=replace(present(content.mechanism), joints=joints))
+    package = write_package(content, tmp_path / content.asset_id)
+    as_source = present(present(read_usd(SourceFile(package, package.parent)).value).mechanism)
+    for read_back in (present(reread_package(package).mechanism), as_source):
+        (found,) = (j for j in read_back.joints if j.name == joint.name)
+        assert (found.kind, found.rest) == (joint.kind, pytest.approx(joint.rest, abs=1e-6))
+        assert found.limits == pytest.approx(joint.limits, rel=1e-5)
 
 
 def test_a_package_as_a_source_has_the_same_mechanism(package: Path) -> None:
