@@ -10,7 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.suites.gap2.generate.causes import LIBRARY, OUTSIDE, PAIRS, TWINS, Cause, Where, library_cause
+from tests.suites.gap2.generate.causes.cause import Cause, Where
+from tests.suites.gap2.generate.causes.combinations import PAIRS, TWINS
+from tests.suites.gap2.generate.causes.library import LIBRARY, library_cause
+from tests.suites.gap2.generate.causes.outside import OUTSIDE
 from tests.suites.gap2.generate.logs import csv_bytes, declared, draw_style, written
 from tests.suites.gap2.generate.parameters import Number
 from tests.suites.gap2.generate.plant import Hidden, Plant, Trial, observe
@@ -147,9 +150,9 @@ def _with_causes(
     for cause in causes:
         strength, recording, is_reached = _sized(cause, where, recording, level)
         reached = reached and is_reached
-        hidden = hidden.beside(cause.hidden(strength, where))
-        parameters = dict([cause.checked(strength, where)]) if cause.checked else {}
-        effects.append(HiddenEffect(cause.name, "" if cause.whole else str(joint), parameters, strength))
+        one = cause.hidden(strength, where)
+        hidden = hidden.beside(one)
+        effects.append(HiddenEffect(cause.name, "" if cause.whole else str(joint), dict(cause.checked(one)), strength))
     readings = observe(plant, hidden, recording.trials, recording.step_s)
     truth = _truth(
         number,

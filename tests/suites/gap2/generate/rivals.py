@@ -14,7 +14,8 @@ from itertools import pairwise
 import numpy as np
 
 from tests.suites.gap2.generate.arrays import Array
-from tests.suites.gap2.generate.causes import LIBRARY, Where
+from tests.suites.gap2.generate.causes.cause import Where
+from tests.suites.gap2.generate.causes.library import LIBRARY
 from tests.suites.gap2.generate.parameters import Number
 from tests.suites.gap2.generate.plant import Hidden, Plant, Segment, Trial, read_segments
 from tests.suites.gap2.generate.power import Readings, miss_by_trial
