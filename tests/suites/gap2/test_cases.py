@@ -18,9 +18,9 @@ from tests.suites.gap2.generate.causes.library import LIBRARY, library_cause
 from tests.suites.gap2.generate.causes.outside import OUTSIDE
 from tests.suites.gap2.generate.plant import Hidden, Trial, observe
 from tests.suites.gap2.generate.power import LEVELS, Readings, miss, strength_for
-from tests.suites.gap2.generate.rivals import SAME, rivals_of
+from tests.suites.gap2.generate.rivals import rivals_of
 from tests.suites.gap2.generate.scenes import SCENES, draw_plant, draw_recording, rows_of, sizes_of
-from tests.suites.gap2.generate.truth import FAMILIES
+from tests.suites.gap2.generate.truth import FAMILIES, SAME
 
 WITH_EFFECT, CONTROL = 16, 0  # a driven slide with a limit; a pendulum as believed
 

@@ -7,6 +7,8 @@ from typing import Any, Literal
 
 Family = Literal["control", "single", "two", "twin", "outside", "left_out"]
 FAMILIES: tuple[Family, ...] = ("control", "single", "two", "twin", "outside", "left_out")
+SAME = 9.0  # noncentrality at which the better of two equal causes is still taken for the other in 7 of 100 cases
+CLOSE = 100.0  # to doubt between them is right up to here
 
 
 @dataclass(frozen=True)
