@@ -20,7 +20,7 @@ from tests.suites.gap2.generate.plant import Hidden, Trial, observe
 from tests.suites.gap2.generate.power import LEVELS, Readings, miss, strength_for
 from tests.suites.gap2.generate.rivals import rivals_of
 from tests.suites.gap2.generate.scenes import SCENES, draw_plant, draw_recording, rows_of, sizes_of
-from tests.suites.gap2.generate.truth import FAMILIES, SAME
+from tests.suites.gap2.generate.truth import CLOSE, FAMILIES, SAME, Truth
 
 WITH_EFFECT, CONTROL = 16, 0  # a driven slide with a limit; a pendulum as believed
 
@@ -84,6 +84,18 @@ def test_tilt_of_a_pendulum_is_a_zero_error_of_its_sensor_and_no_spring() -> Non
     equal = [r.name for r in rivals if r.noncentrality < SAME]
     assert "sensor.bias" in equal
     assert "joint.spring" not in equal
+
+
+def test_rivals_are_accepted_up_to_one_bound_and_doubted_up_to_the_next() -> None:
+    rivals = {"joint.spring": 0.9 * SAME, "joint.detent": 1.1 * SAME, "sensor.bias": 1.1 * CLOSE}
+    truth = Truth(1, "", "single", "mechanism", "pendulum").with_rivals(500.0, rivals)
+    assert (truth.accept, truth.near) == (("joint.spring",), ("joint.detent",))
+    assert truth.rivals == pytest.approx(rivals, rel=1e-3)
+
+
+def test_left_out_effect_is_the_hidden_one(hiding: CaseFiles) -> None:
+    assert hiding.truth.family == "left_out"
+    assert hiding.truth.left_out == tuple(e.name for e in hiding.truth.effects)
 
 
 def test_same_number_gives_the_same_bytes(hiding: CaseFiles) -> None:

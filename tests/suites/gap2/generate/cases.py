@@ -19,7 +19,7 @@ from tests.suites.gap2.generate.plant import Hidden, Plant, Trial, observe
 from tests.suites.gap2.generate.power import LEVELS, Readings, miss, strength_for
 from tests.suites.gap2.generate.rivals import rivals_of
 from tests.suites.gap2.generate.scenes import SCENES, Recording, draw_plant, draw_recording, sizes_of
-from tests.suites.gap2.generate.truth import CLOSE, SAME, Family, HiddenEffect, Truth
+from tests.suites.gap2.generate.truth import SAME, Family, HiddenEffect, Truth
 
 SEED = 290629
 # Of twenty numbers in a row: six controls, four outside causes, two left out, three twins, four singles, one pair.
@@ -210,13 +210,7 @@ def _labelled(draft: _Draft, cause: Cause) -> _Draft:
         return observe(draft.plant, cause.hidden(share * strength, where), trials, draft.recording.step_s)
 
     visible, rivals = rivals_of((cause.name,), where, draft.recording, readings_at)
-    truth = replace(
-        draft.truth,
-        visible=visible,
-        rivals={r.name: float(f"{r.noncentrality:.4g}") for r in rivals},
-        accept=tuple(r.name for r in rivals if r.noncentrality < SAME),
-        near=tuple(r.name for r in rivals if SAME <= r.noncentrality < CLOSE),
-    )
+    truth = draft.truth.with_rivals(visible, {r.name: r.noncentrality for r in rivals})
     return replace(draft, truth=truth)
 
 

@@ -13,7 +13,7 @@ from tests.suites.gap2.generate.bodies import GRAVITY, Box, HiddenInBox, move
 from tests.suites.gap2.generate.least_squares import gauss_newton
 from tests.suites.gap2.generate.tosses.causes import vector
 from tests.suites.gap2.generate.tosses.recording import TrackedToss
-from tests.suites.gap2.generate.truth import CLOSE, SAME, Truth
+from tests.suites.gap2.generate.truth import Truth
 
 _ROUNDS = 6
 _TRIALS_REFITTED, _ROWS_REFITTED = 6, 60  # of which rivals are refitted; noncentralities are scaled to all
@@ -47,13 +47,7 @@ def labelled(truth: Truth, tracked: TrackedToss, readings: Array) -> Truth:
         if slides in (None, tracked.box.slides) and name != truth.effects[0].name
     }
     near = dict(sorted((item for item in rivals.items() if item[1] < 0.5 * visible), key=lambda item: item[1]))
-    return replace(
-        truth,
-        visible=visible,
-        rivals=near,
-        accept=tuple(n for n, left in near.items() if left < SAME),
-        near=tuple(n for n, left in near.items() if SAME <= left < CLOSE),
-    )
+    return truth.with_rivals(visible, near)
 
 
 def _left(make: Make, count: int, tracked: TrackedToss, readings: Array) -> float:
