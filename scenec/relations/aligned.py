@@ -9,7 +9,7 @@ import numpy as np
 from shapely.geometry.base import BaseGeometry
 from typing_extensions import override
 
-from scenec.plan.cases.motions import Motions, sway
+from scenec.plan.cases.motions import Motions, box_intervals, sway
 from scenec.plan.cases.rectangles import axis_of
 from scenec.proofs.constraints import ORIGIN, Difference, LinearConstraint, NodePose
 from scenec.proofs.outlines import OUTLINE_SLACK_M
@@ -84,8 +84,7 @@ class Aligned(RelationMeaning):
     def holds_throughout(self, rule: SceneRelation, motions: Motions, value: FloatArray) -> BoolArray:
         dx, dy = rule.direction
         if (boxes := motions.origin_box_m) is not None:
-            x, y = -dy * boxes[..., :2], dx * boxes[..., 2:]
-            low, high = x.min(axis=-1) + y.min(axis=-1), x.max(axis=-1) + y.max(axis=-1)
+            low, high = box_intervals(boxes, -dy, dx)
             return high.max(axis=1) - low.min(axis=1) <= rule.tolerance
         at = motions.origins_m
         across = -dy * at[..., 0] + dx * at[..., 1]

@@ -13,7 +13,7 @@ import numpy as np
 from shapely.geometry.base import BaseGeometry
 from typing_extensions import override
 
-from scenec.plan.cases.motions import Motions, sway
+from scenec.plan.cases.motions import Motions, box_intervals, sway
 from scenec.proofs.constraints import ORIGIN, Difference, LinearConstraint, NodePose
 from scenec.proofs.outlines import OUTLINE_SLACK_M
 from scenec.relations.protocol import (
@@ -111,8 +111,8 @@ class InLine(RelationMeaning):
         dx, dy = rule.direction
         least, most = _steps(rule, 1)
         if (boxes := motions.origin_box_m) is not None:
-            begin, end = _interval(boxes, dx, dy)
-            low, high = _interval(boxes, -dy, dx)
+            begin, end = box_intervals(boxes, dx, dy)
+            low, high = box_intervals(boxes, -dy, dx)
             lean = np.zeros(len(begin))
         else:
             at, shift = motions.origins_m, np.stack(motions.origin_shifts_m, axis=1)
@@ -180,12 +180,6 @@ def _mates(rule: SceneRelation, mover: Mover, assignment: Assignment) -> Mapping
         for number, name in enumerate(rule.things)
         if name != mover.name and name in assignment
     }
-
-
-def _interval(boxes_m: FloatArray, dx: float, dy: float) -> tuple[FloatArray, FloatArray]:
-    """Where boxes (l, k, 4) begin and end along (dx, dy), each (l, k)."""
-    x, y = dx * boxes_m[..., :2], dy * boxes_m[..., 2:]
-    return x.min(axis=-1) + y.min(axis=-1), x.max(axis=-1) + y.max(axis=-1)
 
 
 RELATION = InLine()

@@ -106,6 +106,12 @@ class Motions:
         return [one.origin_m + self.member_rounding_m for one in self.members]
 
 
+def box_intervals(boxes_m: FloatArray, dx: float, dy: float) -> tuple[FloatArray, FloatArray]:
+    """Where boxes (l, k, 4) begin and end along (dx, dy), each (l, k)."""
+    x, y = dx * boxes_m[..., :2], dy * boxes_m[..., 2:]
+    return x.min(axis=-1) + y.min(axis=-1), x.max(axis=-1) + y.max(axis=-1)
+
+
 def sway(turn_rad: FloatArray) -> FloatArray:
     """Motion of a point at 1 m from the origin of a turning owner."""
     return 2.0 * np.sin(np.minimum(turn_rad, np.pi) / 2.0)

@@ -22,7 +22,7 @@ from typing import Any
 from tests.suites.gap2.finder import find_in
 from tests.suites.gap2.foreign import foreign_cases
 from tests.suites.gap2.generate.cases import CaseFiles, family_of, mechanism_case, write_case
-from tests.suites.gap2.generate.tosses import toss_case
+from tests.suites.gap2.generate.tosses.cases import toss_case
 from tests.suites.gap2.generate.truth import FAMILIES, Truth
 from tests.suites.gap2.score import line, scored_record, table
 

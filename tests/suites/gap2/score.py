@@ -13,8 +13,7 @@ from typing import Any
 
 from scipy.stats import binomtest
 
-from tests.suites.gap2.generate.rivals import SAME
-from tests.suites.gap2.generate.truth import Truth, truth_from
+from tests.suites.gap2.generate.truth import SAME, Truth, truth_from
 
 SURE = 0.8  # confidence from which an effect counts as named (the report's contract)
 GROSS, LARGE = 6.0, 1.2  # noise levels of a restart's miss: the levels 6.6 and 1.33 within their tolerance

@@ -11,14 +11,16 @@ import pytest
 
 from schemas.diagnostics import Severity
 from simgap.recording.read import read
-from tests.suites.gap2.generate import causes
 from tests.suites.gap2.generate.cases import ROUND, CaseFiles, family_of, mechanism_case, write_case
-from tests.suites.gap2.generate.causes import Where, library_cause
+from tests.suites.gap2.generate.causes.cause import Where
+from tests.suites.gap2.generate.causes.combinations import TWINS
+from tests.suites.gap2.generate.causes.library import LIBRARY, library_cause
+from tests.suites.gap2.generate.causes.outside import OUTSIDE
 from tests.suites.gap2.generate.plant import Hidden, Trial, observe
 from tests.suites.gap2.generate.power import LEVELS, Readings, miss, strength_for
-from tests.suites.gap2.generate.rivals import SAME, rivals_of
-from tests.suites.gap2.generate.scenes import draw_plant, draw_recording, rows_of, sizes_of
-from tests.suites.gap2.generate.truth import FAMILIES
+from tests.suites.gap2.generate.rivals import rivals_of
+from tests.suites.gap2.generate.scenes import SCENES, draw_plant, draw_recording, rows_of, sizes_of
+from tests.suites.gap2.generate.truth import CLOSE, FAMILIES, SAME, Truth
 
 WITH_EFFECT, CONTROL = 16, 0  # a driven slide with a limit; a pendulum as believed
 
@@ -43,9 +45,9 @@ def test_a_hundred_numbers_hold_enough_controls_outside_causes_and_twins() -> No
 
 
 def test_every_library_name_can_be_hidden_and_every_scene_of_a_cause_exists() -> None:
-    for cause in (*causes.LIBRARY, *causes.OUTSIDE):
-        assert set(cause.scenes) <= set(causes.SCENES)
-    for first, second, scenes in causes.TWINS:
+    for cause in (*LIBRARY, *OUTSIDE):
+        assert set(cause.scenes) <= set(SCENES)
+    for first, second, scenes in TWINS:
         assert set(scenes) <= set(library_cause(first).scenes)
         assert library_cause(second)
 
@@ -84,6 +86,18 @@ def test_tilt_of_a_pendulum_is_a_zero_error_of_its_sensor_and_no_spring() -> Non
     assert "joint.spring" not in equal
 
 
+def test_rivals_are_accepted_up_to_one_bound_and_doubted_up_to_the_next() -> None:
+    rivals = {"joint.spring": 0.9 * SAME, "joint.detent": 1.1 * SAME, "sensor.bias": 1.1 * CLOSE}
+    truth = Truth(1, "", "single", "mechanism", "pendulum").with_rivals(500.0, rivals)
+    assert (truth.accept, truth.near) == (("joint.spring",), ("joint.detent",))
+    assert truth.rivals == pytest.approx(rivals, rel=1e-3)
+
+
+def test_left_out_effect_is_the_hidden_one(hiding: CaseFiles) -> None:
+    assert hiding.truth.family == "left_out"
+    assert hiding.truth.left_out == tuple(e.name for e in hiding.truth.effects)
+
+
 def test_same_number_gives_the_same_bytes(hiding: CaseFiles) -> None:
     assert mechanism_case(WITH_EFFECT) == hiding
     assert mechanism_case(CONTROL).files != mechanism_case(CONTROL + 4).files
@@ -95,8 +109,8 @@ def test_folder_is_named_by_a_hash_and_holds_no_truth(hiding: CaseFiles, tmp_pat
     assert case.truth.effects
     assert root.name == case.truth.measurement
     assert all(character in "0123456789abcdef" for character in root.name)
-    telling = {*FAMILIES, "truth", case.truth.scene, *causes.SCENES, *LEVELS}
-    telling |= {name for c in (*causes.LIBRARY, *causes.OUTSIDE) for name in (c.name, c.name.partition(".")[2])}
+    telling = {*FAMILIES, "truth", case.truth.scene, *SCENES, *LEVELS}
+    telling |= {name for c in (*LIBRARY, *OUTSIDE) for name in (c.name, c.name.partition(".")[2])}
     named = {p.relative_to(tmp_path).as_posix() for p in root.rglob("*")}
     assert {n.partition("/")[2].partition("/")[0] for n in named} == {"measurement.yaml", "trajectories"}
     headers = " ".join(p.read_text().partition("\n")[0] for p in root.rglob("*.csv"))
@@ -116,7 +130,7 @@ def test_recordings_are_those_of_users() -> None:
     rates, lengths, counts = [], [], []
     for seed in range(30):
         rng = np.random.default_rng(seed)
-        plant, period = draw_plant(causes.SCENES[seed % len(causes.SCENES)], rng)
+        plant, period = draw_plant(SCENES[seed % len(SCENES)], rng)
         recording = draw_recording(plant, period, rng)
         rates.append(recording.rate_hz)
         lengths += [float(np.ptp(t.stamps_s)) for t in recording.trials]

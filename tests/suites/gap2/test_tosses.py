@@ -12,7 +12,7 @@ from schemas.diagnostics import Severity
 from simgap.recording.read import read
 from tests.suites.gap2.generate.bodies import GRAVITY, Box, HiddenInBox, move
 from tests.suites.gap2.generate.cases import write_case
-from tests.suites.gap2.generate.tosses import toss_case
+from tests.suites.gap2.generate.tosses.cases import toss_case
 from tests.suites.gap2.generate.truth import FAMILIES
 
 FLYING = Box(np.array([0.1, 0.2, 0.3]), 0.8, 0.4, slides=False)

@@ -6,7 +6,7 @@ world, angular velocity in the body. All runs of a call advance together, from r
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numba
@@ -54,6 +54,12 @@ class HiddenInBox:
     rough: float = 0.0  # share by which friction varies over the board
     rough_count: float = 20.0  # 1/m
     fading: float = 0.0  # share of friction that speed takes away
+
+    def beside(self, other: HiddenInBox) -> HiddenInBox:
+        """Both at once."""
+        plain = HiddenInBox()
+        names = [n for n in self.__dataclass_fields__ if getattr(other, n) != getattr(plain, n)]
+        return replace(self, **{n: getattr(other, n) for n in names})
 
 
 def move(box: Box, hidden: HiddenInBox, t_s: Array, start: Array) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -10,14 +9,17 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.suites.gap2.generate.causes import LIBRARY, OUTSIDE, PAIRS, TWINS, Cause, Where, library_cause
-from tests.suites.gap2.generate.logs import csv_bytes, declared, draw_style, written
+from tests.suites.gap2.generate.causes.cause import Cause, Where
+from tests.suites.gap2.generate.causes.combinations import PAIRS, TWINS
+from tests.suites.gap2.generate.causes.library import LIBRARY, library_cause
+from tests.suites.gap2.generate.causes.outside import OUTSIDE
+from tests.suites.gap2.generate.logs import csv_bytes, declared, digest_of, draw_style, written
 from tests.suites.gap2.generate.parameters import Number
 from tests.suites.gap2.generate.plant import Hidden, Plant, Trial, observe
 from tests.suites.gap2.generate.power import LEVELS, Readings, miss, strength_for
-from tests.suites.gap2.generate.rivals import CLOSE, SAME, rivals_of
+from tests.suites.gap2.generate.rivals import rivals_of
 from tests.suites.gap2.generate.scenes import SCENES, Recording, draw_plant, draw_recording, sizes_of
-from tests.suites.gap2.generate.truth import Family, HiddenEffect, Truth
+from tests.suites.gap2.generate.truth import SAME, Family, HiddenEffect, Truth
 
 SEED = 290629
 # Of twenty numbers in a row: six controls, four outside causes, two left out, three twins, four singles, one pair.
@@ -58,10 +60,15 @@ def family_of(number: int) -> Family:
     return ROUND[number % len(ROUND)]
 
 
+def turn_of(number: int) -> int:
+    """How many cases of its family come before a case."""
+    family = family_of(number)
+    return number // len(ROUND) * ROUND.count(family) + ROUND[: number % len(ROUND)].count(family)
+
+
 def mechanism_case(number: int) -> CaseFiles:
     """The case of that number; the same number gives the same bytes."""
-    family = family_of(number)
-    turn = number // len(ROUND) * ROUND.count(family) + ROUND[: number % len(ROUND)].count(family)
+    family, turn = family_of(number), turn_of(number)
     draft = _control(number, turn) if family == "control" else _hiding(number, family, turn)
     return _files(draft, np.random.default_rng([SEED, number, 999]))
 
@@ -147,9 +154,9 @@ def _with_causes(
     for cause in causes:
         strength, recording, is_reached = _sized(cause, where, recording, level)
         reached = reached and is_reached
-        hidden = hidden.beside(cause.hidden(strength, where))
-        parameters = dict([cause.checked(strength, where)]) if cause.checked else {}
-        effects.append(HiddenEffect(cause.name, "" if cause.whole else str(joint), parameters, strength))
+        one = cause.hidden(strength, where)
+        hidden = hidden.beside(one)
+        effects.append(HiddenEffect(cause.name, "" if cause.whole else str(joint), dict(cause.checked(one)), strength))
     readings = observe(plant, hidden, recording.trials, recording.step_s)
     truth = _truth(
         number,
@@ -203,13 +210,7 @@ def _labelled(draft: _Draft, cause: Cause) -> _Draft:
         return observe(draft.plant, cause.hidden(share * strength, where), trials, draft.recording.step_s)
 
     visible, rivals = rivals_of((cause.name,), where, draft.recording, readings_at)
-    truth = replace(
-        draft.truth,
-        visible=visible,
-        rivals={r.name: float(f"{r.noncentrality:.4g}") for r in rivals},
-        accept=tuple(r.name for r in rivals if r.noncentrality < SAME),
-        near=tuple(r.name for r in rivals if SAME <= r.noncentrality < CLOSE),
-    )
+    truth = draft.truth.with_rivals(visible, {r.name: r.noncentrality for r in rivals})
     return replace(draft, truth=truth)
 
 
@@ -251,10 +252,7 @@ def _files(draft: _Draft, rng: np.random.Generator) -> CaseFiles:
     style = draw_style(plant, recording, rng, colour=draft.colour)
     tables, sigma = written(plant, recording, draft.readings, style, rng)
     files = {f"trajectories/{name}.csv": csv_bytes(table, list(table)) for name, table in tables.items()}
-    digest = hashlib.sha256()
-    for name in sorted(files):
-        digest.update(name.encode() + files[name])
-    measurement = digest.hexdigest()[:16]
+    measurement = digest_of(files)
     spec = declared(plant, recording, style, tables, sigma, measurement, rng)
     files["measurement.yaml"] = (json.dumps(spec, indent=1) + "\n").encode()  # JSON is YAML
     effects = tuple(replace(e, joint=style.joints[int(e.joint)] if e.joint else "") for e in draft.truth.effects)

@@ -41,6 +41,7 @@ _EXTRA = 9  # lagged input, filtered input, its rate, motor, its rate, hysteresi
 _SMOOTH = 2  # mode of a joint without dry friction; -1, 0, 1 are its direction where it has some
 _GRAVITY = 9.81  # m/s2
 
+# All in one file: the cache of a compiled function looks at its own file alone, not at those of what it calls.
 njit: Any = numba.njit(cache=True, error_model="numpy")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -216,3 +217,11 @@ def csv_bytes(table: Mapping[str, Array], names: Sequence[str]) -> bytes:
         for row in zip(*columns, strict=True)
     )
     return ("\n".join([",".join(names), *rows]) + "\n").encode()
+
+
+def digest_of(files: Mapping[str, bytes]) -> str:
+    """The name of a measurement with these files: it shows nothing of the case."""
+    digest = hashlib.sha256()
+    for name in sorted(files):
+        digest.update(name.encode() + files[name])
+    return digest.hexdigest()[:16]

@@ -1,4 +1,8 @@
-"""Names of the numbers that the equations of one joint hold, in the order of the kernel's array; SI."""
+"""Names of the numbers that the equations of one joint hold, in the order of the kernel's array; SI.
+
+The compiled kernel holds these positions, and its cache looks at `kernel.py` alone: after a change here remove the
+`__pycache__` beside it.
+"""
 
 from __future__ import annotations
 

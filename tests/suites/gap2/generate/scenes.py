@@ -21,6 +21,14 @@ FREE = ("pendulum", "door", "slide", "chain2", "chain3")
 DRIVEN = ("pendulum_effort", "door_effort", "slide_effort", "chain2_effort", "chain3_effort")
 SERVO = ("pendulum_servo", "slide_servo", "chain2_servo")
 SCENES = (*FREE, *DRIVEN, *SERVO)
+PUSHED = (*DRIVEN, *SERVO)
+UPRIGHT = tuple(s for s in SCENES if s.startswith(("pendulum", "chain")))
+TURNING = tuple(s for s in SCENES if s.startswith(("pendulum", "door")))
+# Of one joint.
+SINGLE = tuple(s for s in SCENES if not s.startswith("chain"))
+SINGLE_FREE, SINGLE_DRIVEN, SINGLE_SERVO = (tuple(s for s in kind if s in SINGLE) for kind in (FREE, DRIVEN, SERVO))
+SINGLE_PUSHED = (*SINGLE_DRIVEN, *SINGLE_SERVO)
+SINGLE_UPRIGHT = tuple(s for s in SINGLE if s in UPRIGHT)
 SMALLEST_M, LARGEST_M = 0.03, 1.5
 LIGHTEST_KG, HEAVIEST_KG = 0.005, 50.0
 _LEAD_S = 0.1  # the mechanism runs that long before the first row, so that late sensors have something to read

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 Family = Literal["control", "single", "two", "twin", "outside", "left_out"]
 FAMILIES: tuple[Family, ...] = ("control", "single", "two", "twin", "outside", "left_out")
+SAME = 9.0  # noncentrality at which the better of two equal causes is still taken for the other in 7 of 100 cases
+CLOSE = 100.0  # to doubt between them is right up to here
 
 
 @dataclass(frozen=True)
@@ -52,6 +55,16 @@ class Truth:
     twin: str = ""
     control: str = ""
     log: dict[str, Any] = field(default_factory=dict)
+
+    def with_rivals(self, visible: float, noncentralities: Mapping[str, float]) -> Truth:
+        """The truth with what else explains the readings, nearest first."""
+        return replace(
+            self,
+            visible=visible,
+            rivals={name: float(f"{left:.4g}") for name, left in noncentralities.items()},
+            accept=tuple(name for name, left in noncentralities.items() if left < SAME),
+            near=tuple(name for name, left in noncentralities.items() if SAME <= left < CLOSE),
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data for JSON."""

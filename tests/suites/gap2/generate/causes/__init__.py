@@ -1,0 +1,1 @@
+"""Causes that a mechanism case can hide: library effects, outside causes, and which are hidden together."""

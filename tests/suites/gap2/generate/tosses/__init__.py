@@ -1,0 +1,1 @@
+"""Tosses: boxes that fly or slide, as cases of the suite."""
