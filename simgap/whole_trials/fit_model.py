@@ -150,13 +150,13 @@ class Linearisation:
 
     def least_loss(self, prior: FloatArray) -> float:
         """Weighted squares that are left after a linear step of parameters, of this prior precision, and starts."""
-        equations = self.normal_equations()
+        equations = self.reduced_equations()
         gradient = equations.gradient.sum(axis=0)
         step = solve_safely(equations.information.sum(axis=0) + np.diag(prior), gradient)
         by_starts = np.einsum("ts,tsr,tr->", equations.start_gradient, equations.inverse, equations.start_gradient)
         return float((self.errors**2).sum()) - float(by_starts) - float(gradient @ step)
 
-    def normal_equations(self, damping: float = 0.0) -> NormalEquations:
+    def reduced_equations(self, damping: float = 0.0) -> ReducedEquations:
         """Of each trial, its starts damped by a share of their own information."""
         A, B, e = self.parameter_slopes, self.start_slopes, self.errors
         At, Bt = np.swapaxes(A, 1, 2), np.swapaxes(B, 1, 2)
@@ -164,7 +164,7 @@ class Linearisation:
         inverse = np.asarray(np.linalg.inv(starts * (1.0 + damping * unit) + _START_PRIOR * unit), dtype=float)
         mixed, start_gradient = At @ B, _product(Bt, e)
         through = mixed @ inverse
-        return NormalEquations(
+        return ReducedEquations(
             information=At @ A - through @ np.swapaxes(mixed, 1, 2),
             gradient=_product(At, e) - np.einsum("tps,ts->tp", through, start_gradient),
             mixed=mixed,
@@ -174,8 +174,8 @@ class Linearisation:
 
 
 @dataclass(frozen=True)
-class NormalEquations:
-    """Half the loss of each trial to second order, its starts eliminated.
+class ReducedEquations:
+    """Normal equations of half the loss of each trial, its starts eliminated.
 
     information, gradient   (t, p, p) and (t, p) of the parameters, in shares of their ranges.
     mixed, inverse, start_gradient   (t, p, s) parameters beside starts, (t, s, s) the inverse of the starts' own
@@ -326,7 +326,7 @@ def _try_step(
     fixed: bool,
 ) -> tuple[FloatArray, FloatArray, float] | None:
     """Values, starts and cost after a damped step; None where the cost does not fall."""
-    moved, equations = vector, linear.normal_equations(damping)
+    moved, equations = vector, linear.reduced_equations(damping)
     if not fixed and len(vector):
         prior = space.prior_precision * space.span**2
         pull = space.prior_precision * space.span * (vector - space.prior_mean)
@@ -346,7 +346,7 @@ def loss_at(system: TrialSystem, model: Model, starts: FloatArray) -> float:
 def fit_at(system: TrialSystem, model: Model, starts: FloatArray) -> ModelFit:
     """The record of a model at given values and starts."""
     linear = linearise(system, model, starts)
-    equations = linear.normal_equations()
+    equations = linear.reduced_equations()
     errors = clipped(system.errors(model, starts[None]))[0]
     rows = rows_of(errors, starts.shape[1])
     correlation = _correlation(system, linear)

@@ -57,7 +57,7 @@ def _score(
         for values in group:
             errors = clipped(system.errors((*fit.model, Term(candidate, values)), fit.starts[None]))[0]
             changes.append(np.where(np.isfinite(errors), errors, 0.0) - plain)
-        equations = base.with_parameters(np.stack(changes, axis=2)).normal_equations()
+        equations = base.with_parameters(np.stack(changes, axis=2)).reduced_equations()
         count = len(group)
         total = equations.information.sum(axis=0) + np.diag(np.concatenate([prior, np.zeros(count)]))
         gradient = equations.gradient.sum(axis=0) + np.concatenate([pull, np.zeros(count)])
