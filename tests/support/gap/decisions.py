@@ -73,7 +73,8 @@ def contradictions(report: GapReport) -> list[str]:
         bad.append("groups")
     p_values = {(h.name, h.where): h.p_adjusted for h in report.hypotheses}
     first = [d for d in report.decisions if (d.step, d.round_number) == ("confirm", 0)]
-    bad += [d.name for d in first if d.criteria and _p_adjusted(d) not in (None, p_values[d.name, d.where])]
+    stated = {(d.name, d.where): p for d in first if (p := _p_adjusted(d)) is not None}
+    bad += [name for (name, where), p in stated.items() if p != p_values.get((name, where))]
     return bad
 
 
