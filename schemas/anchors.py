@@ -32,10 +32,12 @@ class SupportSurface(_Model):
     `clearance_m` is the least free height above it, None where the sky is free. `load_directions` are unit vectors out
     of the surface along which a thing can come or go: up, and sideways over the edges of the narrowest box around it.
     `anchor_id` numbers the surfaces of an asset from the main one on: the highest of the large ones comes first.
+    `link` is the link of an articulated object that it moves with; it is given at the rest state.
     """
 
     kind: Literal["surface"] = "surface"
     anchor_id: str
+    link: str | None = Field(default=None, exclude_if=lambda link: link is None)
     position_m: Point3 = Field(description="origin of the anchor frame in the asset frame")
     quat_wxyz: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
     polygon: AnchorPolygon
@@ -57,11 +59,13 @@ class ContainmentVolume(_Model):
 
     `opening` is the cross-section just below the rim at `height_m`, the usable height; `direction` points out of it.
     `slices` cut the inside at the middles of equally high layers from the floor up; `volume_m3` is what they hold.
-    `passes_m` is the diameter of the largest ball that is sure to get in.
+    `passes_m` is the diameter of the largest ball that is sure to get in. `link` as of a surface: the id of the inside
+    of a drawer is `<link>/inside`.
     """
 
     kind: Literal["volume"] = "volume"
     anchor_id: str
+    link: str | None = Field(default=None, exclude_if=lambda link: link is None)
     position_m: Point3 = Field(description="origin of the anchor frame in the asset frame")
     quat_wxyz: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
     opening: AnchorPolygon

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
 from schemas.arrays import FloatArray
+from schemas.articulation import JointUse
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, default
 from schemas.model import Axis
@@ -351,6 +352,7 @@ class AssetRecord(_Section):
     parts: tuple[Evidence[Part], ...] = ()
     affordances: tuple[AffordanceEvidence, ...] = ()
     anchors: tuple[Evidence[Anchor], ...] = ()
+    joint_uses: tuple[JointUse, ...] = Field(default=(), exclude_if=lambda uses: not uses)
     physics: PhysicsSection
     acceptance: AcceptanceSection
     diagnostics: tuple[Diagnostic, ...] = ()
