@@ -168,6 +168,28 @@ class CandidateDecision(_Machine):
     criteria: tuple[Criterion, ...] = ()
 
 
+class EffectTwin(_Machine):
+    """Another effect that imitates one: told from it only at `factor` times the strength that is noticed."""
+
+    name: str
+    where: Place = Place()
+    factor: float
+
+
+class IdentifiableEffect(_Machine):
+    """What the training trials tell of an effect beside the declared model, whether or not it acts.
+
+    noticed_from   strengths from which it is noticed, of thresholds such at which it is; empty where these trials show
+                   it at no plausible strength.
+    twins          effects that imitate it here, the best imitation first.
+    """
+
+    name: str
+    where: Place = Place()
+    noticed_from: dict[str, float]
+    twins: tuple[EffectTwin, ...] = ()
+
+
 class NamedEffect(_Machine):
     """An effect that the verdict names."""
 
@@ -271,6 +293,7 @@ class GapReport(_Machine):
     engine_comparison: EngineComparison | None = None  # of mechanisms
     baseline: Baseline
     localisation: tuple[Localisation, ...] = ()
+    identifiable: tuple[IdentifiableEffect, ...] = ()  # of mechanisms
     hypotheses: tuple[Hypothesis, ...] = ()
     verdict: Verdict
     gains: tuple[Gain, ...] = ()

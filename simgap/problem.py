@@ -222,6 +222,11 @@ class TrialSystem(Protocol):
         """The same in smaller steps: dearer, and for comparisons with the noise."""
         ...
 
+    @property
+    def plain(self) -> TrialSystem:
+        """The same in the steps from which `finer` went: for changes of errors. Itself where it is not finer."""
+        ...
+
     def with_noise_from(self, model: Model, starts: FloatArray) -> TrialSystem:
         """The same with the noise level that a model's errors show from row to row; single wild rows are left out."""
         ...
