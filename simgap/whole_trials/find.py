@@ -122,14 +122,14 @@ def _twins(
         rest = [c for c in candidates if c.key not in fit.keys]
         beside = scores(ladder.whole, fit, linearise(ladder.whole, fit.model, fit.starts), rest)
     rejected = {
-        (own, other)
+        (effect, other)
         for model, decision in models.decisions
         if decision.kept
-        for own in fit.keys - model.fit.keys
+        for effect in fit.keys - model.fit.keys
         for other in model.fit.keys - fit.keys
     }
-    found = twins(ladder.whole, fit, beside, policy)
-    return {own: tuple(c for c in same if (own, c.key) not in rejected) for own, same in found.items()}
+    imitators = twins(ladder.whole, fit, beside, policy)
+    return {effect: tuple(c for c in same if (effect, c.key) not in rejected) for effect, same in imitators.items()}
 
 
 def _baselines(problem: Problem, null: Model, final: Model, trials: Trials, quick: bool) -> tuple[Rival, ...]:
