@@ -1,7 +1,8 @@
-"""Polygons of the plane as convex outlines (n, 2) that cover them exactly."""
+"""Polygons of the plane as convex outlines (n, 2) that cover them exactly, and with fewer corners."""
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import Any, cast
 
 import shapely
@@ -21,3 +22,37 @@ def convex_outlines(area: BaseGeometry) -> list[FloatArray]:
     convex = hull.geom_type == "Polygon" and hull.area - area.area <= _CONVEX_M2
     parts = [hull] if convex else list(_shapely.get_parts(_shapely.constrained_delaunay_triangles(area)))
     return [_shapely.get_coordinates(_shapely.orient_polygons(part))[:-1] for part in parts if part.area > 0.0]
+
+
+def few_convex_outlines(area: BaseGeometry, share: float) -> list[FloatArray]:
+    """Few convex outlines whose union contains `area`: its convex outlines, joined in pairs, first those whose hull
+    adds least, as long as a hull adds at most `share` of the whole area to the two."""
+    spare = share * area.area
+    pieces: list[BaseGeometry] = [shapely.Polygon(outline) for outline in convex_outlines(area)]
+    alive = dict(enumerate(pieces))
+    added = {(i, j): _added(pieces[i], pieces[j]) for i, j in combinations(alive, 2)}
+    while added:
+        (i, j), least = min(added.items(), key=lambda item: item[1])
+        if least > spare:
+            break
+        hull, name = alive[i].union(alive[j]).convex_hull, max(alive) + 1
+        del alive[i], alive[j]
+        added = {pair: value for pair, value in added.items() if not {i, j} & set(pair)}
+        added |= {(k, name): _added(piece, hull) for k, piece in alive.items()}
+        alive[name] = hull
+    return [_shapely.get_coordinates(_shapely.orient_polygons(piece))[:-1] for piece in alive.values()]
+
+
+def _added(one: BaseGeometry, two: BaseGeometry) -> float:
+    """The area that the hull of two areas adds to them."""
+    both = one.union(two)
+    return float(both.convex_hull.area - both.area)
+
+
+def with_fewer_corners(area: BaseGeometry, by_m: float) -> BaseGeometry:
+    """An area with fewer corners that contains `area` and reaches at most twice `by_m` beyond it; for negative `by_m`
+    one that is contained in it, and may be empty.
+
+    Douglas-Peucker moves no point of a border by more than its tolerance, here from a border that is as far outside.
+    """
+    return area.buffer(by_m, join_style="mitre").simplify(abs(by_m))

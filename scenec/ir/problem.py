@@ -81,6 +81,10 @@ class Problem:
         """Identifies it among the combinations of its program."""
         return tuple(sorted(self.combination.items()))
 
+    def title(self, path: Path) -> str | None:
+        """What reports call the constraint at a path, where that is more than the path: a space that a joint sweeps."""
+        return next((space.title for space in self.keep_clear if space.path == path), None)
+
 
 @dataclass(frozen=True)
 class Placement:

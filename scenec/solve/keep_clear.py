@@ -8,15 +8,21 @@ that carry others include the space above their places): one rule for each of th
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from weakref import WeakKeyDictionary
 
 import shapely
 from shapely import Polygon
 from shapely.affinity import translate
 
+from geom.convex_outlines import few_convex_outlines, with_fewer_corners
 from scenec.ir.problem import Problem, Thing
-from schemas.scene.geometry import BACKGROUND, KeepClear, ScenePlace, SceneRelation
+from scenec.solve.planar import polygon as polygon_of
+from schemas.scene.geometry import BACKGROUND, KeepClear, PlaceLayer, ScenePlace, SceneRelation
 
 KIND = "keep_clear"
+FEWER_CORNERS_M = 1e-3  # by which, twice, spaces are larger here at most, for the sake of speed
+JOINED_SHARE = 2e-3  # of the area of a space that joining two of its convex parts may add
 REACH_M = 1e-3  # beyond a place: more than any slack by which footprints may pass its border
 
 
@@ -31,7 +37,7 @@ def keep_outs_of(problem: Problem, parent: str, place: ScenePlace) -> tuple[tupl
         layer
         for space in problem.keep_clear
         if space.owner == parent and place.link not in space.links
-        for layer in space.layers
+        for layer in coarse(space).layers
     ]
     placed = [thing for thing in problem.things if thing.parent == parent and thing.place.name == place.name]
     carriers = {thing.parent for thing in problem.things}
@@ -49,8 +55,25 @@ def keep_outs_of(problem: Problem, parent: str, place: ScenePlace) -> tuple[tupl
 def keep_clear_rules(problem: Problem, things: dict[str, Thing]) -> Iterator[SceneRelation]:
     """A rule for each space and each thing beside its owner, or beside what carries that."""
     for space in problem.keep_clear:
+        zone = coarse(space)
         for other in beside(space, things):
-            yield SceneRelation(KIND, (space.owner, other), path=space.path, word=KIND, zone=space)
+            yield SceneRelation(KIND, (space.owner, other), path=space.path, word=KIND, zone=zone)
+
+
+_COARSE: WeakKeyDictionary[KeepClear, KeepClear] = WeakKeyDictionary()
+
+
+def coarse(space: KeepClear) -> KeepClear:
+    """The space a little larger, as few convex prisms with few corners; made once."""
+    known = _COARSE.get(space)
+    if known is None:
+        layers = tuple(
+            PlaceLayer(low, high, polygon_of(outline))
+            for low, high, polygon in space.layers
+            for outline in few_convex_outlines(with_fewer_corners(polygon, FEWER_CORNERS_M), JOINED_SHARE)
+        )
+        known = _COARSE[space] = replace(space, layers=layers)
+    return known
 
 
 def beside(space: KeepClear, things: dict[str, Thing]) -> tuple[str, ...]:

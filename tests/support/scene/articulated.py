@@ -1,4 +1,4 @@
-"""Articulated packages of known measures for scenes: a drawer unit, a microwave, a chest with a lid.
+"""Articulated packages of known measures for scenes: a drawer unit, a microwave, a chest with a lid, a four-bar.
 
 All stand on z = 0 with their front at +x and their joints shut at rest. Records hold the anchors and swept volumes that
 the pipeline would find.
@@ -27,9 +27,9 @@ from schemas.model import Material
 from schemas.package import LinkBody
 from schemas.physics import CollisionShape, MassProperties
 from tests.support import package_samples as samples
-from tests.support.scene.library import RECORD
 from usdio.write.package import write_package
 
+RECORD = Path(__file__).parents[2] / "data" / "record.json"
 DENSITY_KGM3 = 400.0
 X, Y, Z = np.eye(3)
 MATERIALS = (Material("body", (0.62, 0.5, 0.38)), Material("moving", (0.3, 0.42, 0.55)))
@@ -162,11 +162,27 @@ def chest(library: Path) -> None:
     package(library, "chest", panels, mechanism, anchors, [])
 
 
+def four_bar(library: Path) -> None:
+    """`four_bar`: two arms on a base and a bar between them; `closing` closes the loop."""
+    hinges = {side: np.array([x, 0.0, 0.06]) for side, x in (("left", -0.1), ("right", 0.1))}
+    tops = {side: hinge + 0.1 * Z for side, hinge in hinges.items()}
+    panels = [Panel("base", (0.3, 0.2, 0.05), (0.0, 0.0, 0.025)), Panel("bar", (0.2, 0.02, 0.02), (0.0, 0.03, 0.16))]
+    panels += [Panel(side, (0.02, 0.02, 0.1), (float(hinge[0]), 0.0, 0.11)) for side, hinge in hinges.items()]
+    joints = [
+        MechanismJoint(side, "revolute", "base", side, hinge, Y, limits=(-1.0, 1.0)) for side, hinge in hinges.items()
+    ]
+    joints.append(MechanismJoint("bar", "revolute", "left", "bar", tops["left"], Y, limits=(-1.0, 1.0)))
+    joints.append(MechanismJoint("closing", "continuous", "right", "bar", tops["right"], Y, closes_loop=True))
+    links = [_link("base"), *(_link(side, hinges[side]) for side in hinges), _link("bar", tops["left"])]
+    package(library, "four_bar", panels, Mechanism(tuple(links), tuple(joints)), [], [])
+
+
 def articulated_library(folder: Path) -> Path:
     """All of them in one library."""
     drawer_unit(folder)
     microwave(folder)
     chest(folder)
+    four_bar(folder)
     return folder
 
 
