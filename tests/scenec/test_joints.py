@@ -22,6 +22,7 @@ from scenec.compile import Compiled, compile_program
 from scenec.emit.scene import compiled_scene
 from scenec.ir.problem import Placement, Solved
 from scenec.plan.document import plan_text
+from scenec.solve import ComponentCache
 from schemas.scene.compiled import CompiledScene, PlacedObject
 from schemas.scene.program import FixedAsset
 from schemas.scene.runtime_plan import RuntimePlan
@@ -324,3 +325,60 @@ def test_an_owner_of_a_swept_space_stays_upright(library: AssetLibrary, tmp_path
     )
     codes = [d.code for d in compiled(text + CLEAR, tmp_path, library).report.diagnostics]
     assert codes == ["scene/owner-not-upright"]
+
+
+BEFORE = (
+    "background: {asset: drawer_unit}\n"
+    "anchors: {ahead: {object: background, surface: {outline: [[0.2, -0.6], [0.5, -0.6], [0.5, 0.6], [0.2, 0.6]]}}}\n"
+    "objects: [{id: cube, asset: %s}]\n"
+    "layout:\n  nodes:\n    cube: {object: cube, placement: %s}\n"
+    "keep_clear: [{object: background, joint: drawer_1}]\n"
+)
+
+
+def test_what_stands_on_the_owner_leaves_the_space_free_too(library: AssetLibrary, tmp_path: Path):
+    anywhere = compiled(BEFORE % (CUBE, "{type: surface, surface: ahead}"), tmp_path, library, diversity=0.05)
+    assert anywhere.report.verdict == "compiled"
+    for scene in drawn_scenes(anywhere, 30):
+        assert scene.background is not None
+        for outline, _, _ in in_frame_of(scene.background, placed(scene, "cube")):
+            assert abs(outline[:, 1]).min() >= 0.195 - 1e-6 or outline[:, 0].min() >= 0.431 - 1e-6
+    x = "{type: discrete, surface: ahead, poses: [{x: 0, y: %s}]}"
+    assert compiled(BEFORE % (CUBE, x % 0.0), tmp_path, library).report.verdict == "infeasible"
+    assert compiled(BEFORE % (CUBE, x % 0.3), tmp_path, library).report.verdict == "compiled"
+    ranges = "{type: surface, surface: ahead, ranges: {x: [0, 0.02], y: [-0.05, 0.05]}}"
+    within = compiled(BEFORE % (CUBE, ranges), tmp_path, library)
+    assert within.report.verdict == "infeasible"
+    assert "keep_clear of background.drawer_1" in within.report.proof
+
+
+def test_a_new_rule_is_no_edit_that_the_cache_overlooks(library: AssetLibrary, tmp_path: Path):
+    cache = ComponentCache()
+    text = FIXED % (CUBE, "", 0.4)
+    assert compiled(text, tmp_path, library, cache=cache).report.verdict == "compiled"
+    ruled = compiled(text + "keep_clear: [{object: unit, joint: drawer_1}]\n", tmp_path, library, cache=cache)
+    assert ruled.report.verdict == "infeasible"
+
+
+ON_TABLE = FLOOR.replace("1.8, 1.4", "2.0, 1.6") + (
+    "anchors: {floor: {object: background}, top: {object: table, surface: auto}}\n"
+    "objects: [{id: table, asset: {type: box, size_m: [0.45, 0.6, 0.1]}}, {id: oven, asset: microwave},\n"
+    "  {id: post, asset: {type: box, size_m: [0.1, 0.1, 0.3]}}]\n"
+    "layout:\n  nodes:\n"
+    "    table: {object: table, placement: {type: surface, surface: floor}}\n"
+    "    oven: {object: oven, placement: {type: surface, surface: top}}\n"
+    "    post: {object: post}\n"
+    "  groups: {rest: {type: scatter, members: [post], surface: floor, count: 6}}\n"
+)
+
+
+def test_what_stands_beside_the_table_of_the_owner_leaves_the_space_free(library: AssetLibrary, tmp_path: Path):
+    """The door swings out over the edge of the table, where posts of 0.3 m stand on the floor."""
+    result = compiled(ON_TABLE + CLEAR, tmp_path, library, diversity=0.05)
+    assert result.report.verdict == "compiled"
+    assert result.plan is not None
+    scenes = drawn_scenes(result, 25)
+    assert not any(map(door_hits, [*result.scenes, *scenes]))
+    assert len({tuple(placed(scene, "oven").position_m) for scene in scenes}) > 10
+    free = compiled(ON_TABLE, tmp_path, library, diversity=0.05)
+    assert any(map(door_hits, drawn_scenes(free, 25)))

@@ -63,9 +63,7 @@ def mujoco_corners(linkage: Linkage, positions: dict[str, float]) -> np.ndarray:
         return f'<body name="{name}" pos="{_text(at)}">{_joint(joint, origins[name])}{geoms}{inner}</body>'
 
     world = body(linkage.mechanism.root.name)
-    model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><compiler angle="radian"/><worldbody>{world}</worldbody></mujoco>'
-    )
+    model = mujoco.MjModel.from_xml_string(f'<mujoco><compiler angle="radian"/><worldbody>{world}</worldbody></mujoco>')
     data = mujoco.MjData(model)
     for name, joint in ((j.name, j) for j in joints.values()):
         followed = joint.coupling
