@@ -352,12 +352,13 @@ def test_what_stands_on_the_owner_leaves_the_space_free_too(library: AssetLibrar
     assert "keep_clear of background.drawer_1" in within.report.proof
 
 
-def test_a_new_rule_is_no_edit_that_the_cache_overlooks(library: AssetLibrary, tmp_path: Path):
+def test_another_joint_is_no_edit_that_the_cache_overlooks(library: AssetLibrary, tmp_path: Path):
+    """The upper drawer passes over the cube."""
     cache = ComponentCache()
-    text = FIXED % (CUBE, "", 0.4)
+    text = FIXED % (CUBE, "", 0.4) + "keep_clear: [{object: unit, joint: drawer_2}]\n"
     assert compiled(text, tmp_path, library, cache=cache).report.verdict == "compiled"
-    ruled = compiled(text + "keep_clear: [{object: unit, joint: drawer_1}]\n", tmp_path, library, cache=cache)
-    assert ruled.report.verdict == "infeasible"
+    lower = compiled(text.replace("joint: drawer_2", "joint: drawer_1"), tmp_path, library, cache=cache)
+    assert lower.report.verdict == "infeasible"
 
 
 ON_TABLE = FLOOR.replace("1.8, 1.4", "2.0, 1.6") + (
