@@ -6,6 +6,7 @@ from itertools import combinations
 from typing import Any, cast
 
 import shapely
+from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from schemas.arrays import FloatArray
@@ -28,16 +29,15 @@ def few_convex_outlines(area: BaseGeometry, share: float) -> list[FloatArray]:
     """Few convex outlines whose union contains `area`: its convex outlines, joined in pairs, first those whose hull
     adds least, as long as a hull adds at most `share` of the whole area to the two."""
     spare = share * area.area
-    pieces: list[BaseGeometry] = [shapely.Polygon(outline) for outline in convex_outlines(area)]
-    alive = dict(enumerate(pieces))
-    added = {(i, j): _added(pieces[i], pieces[j]) for i, j in combinations(alive, 2)}
+    alive: dict[int, BaseGeometry] = {k: Polygon(outline) for k, outline in enumerate(convex_outlines(area))}
+    added: dict[tuple[int, int], float] = {(i, j): _added(alive[i], alive[j]) for i, j in combinations(alive, 2)}
     while added:
         (i, j), least = min(added.items(), key=lambda item: item[1])
         if least > spare:
             break
         hull, name = alive[i].union(alive[j]).convex_hull, max(alive) + 1
         del alive[i], alive[j]
-        added = {pair: value for pair, value in added.items() if not {i, j} & set(pair)}
+        added = {(m, n): value for (m, n), value in added.items() if not {i, j} & {m, n}}
         added |= {(k, name): _added(piece, hull) for k, piece in alive.items()}
         alive[name] = hull
     return [_shapely.get_coordinates(_shapely.orient_polygons(piece))[:-1] for piece in alive.values()]

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-import shapely
 from shapely.affinity import affine_transform
+from shapely.geometry.base import BaseGeometry
 
 from geom.convex_outlines import with_fewer_corners
 from scenec.ir.problem import Path, Problem, Thing
@@ -21,7 +21,7 @@ FEWER_CORNERS_M = 1e-3  # by which spaces are smaller here, for the sake of spee
 class CertainSpace(NamedTuple):
     """An upright prism in A of a thing's place that the thing must not enter; heights over the place."""
 
-    area: shapely.Geometry
+    area: BaseGeometry
     low_m: float
     high_m: float
     path: Path
