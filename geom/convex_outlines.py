@@ -50,8 +50,8 @@ def _added(one: BaseGeometry, two: BaseGeometry) -> float:
 
 
 def with_fewer_corners(area: BaseGeometry, by_m: float) -> BaseGeometry:
-    """An area with fewer corners that contains `area` and reaches at most twice `by_m` beyond it; for negative `by_m`
-    one that is contained in it, and may be empty.
+    """An area with fewer corners that contains `area` and reaches twice `by_m` beyond its sides, farther beyond sharp
+    corners; for negative `by_m` one that is contained in it, and may be empty.
 
     Douglas-Peucker moves no point of a border by more than its tolerance, here from a border that is as far outside.
     """

@@ -21,7 +21,7 @@ from scenec.solve.planar import polygon as polygon_of
 from schemas.scene.geometry import BACKGROUND, KeepClear, PlaceLayer, ScenePlace, SceneRelation
 
 KIND = "keep_clear"
-FEWER_CORNERS_M = 1e-3  # by which, twice, spaces are larger here at most, for the sake of speed
+FEWER_CORNERS_M = 1e-3  # half of what spaces are larger by here, for the sake of speed
 JOINED_SHARE = 2e-3  # of the area of a space that joining two of its convex parts may add
 REACH_M = 1e-3  # beyond a place: more than any slack by which footprints may pass its border
 
