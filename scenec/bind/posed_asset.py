@@ -67,11 +67,15 @@ class PosedAsset:
     def anchor(self, anchor: Anchor) -> Anchor | float:
         """The anchor where its link takes it, or by how many degrees it leans there, if that is too much to be level.
 
-        What is free above a surface is then left to the collision shapes, since links may have come or gone.
+        What is free above a surface is then left to the collision shapes, since links may have come or gone. Raises
+        InvalidInput (`scene/unusable-asset`) for an anchor on a link that the package does not have.
         """
+        if anchor.link is not None and anchor.link not in self.motions:
+            headline = f"the package `{self.asset_id}` cannot be used: its record names a link `{anchor.link}`"
+            raise InvalidInput(finding("scene/unusable-asset", headline, value=anchor.anchor_id))
         if not self.moved:
             return anchor
-        M = self.motions[anchor.link] if anchor.link in self.motions else np.eye(4)
+        M = np.eye(4) if anchor.link is None else self.motions[anchor.link]
         lean_deg = _lean_deg(M)
         if lean_deg > TILT_DEG:
             return lean_deg
@@ -116,7 +120,10 @@ class PosedAsset:
         M = self.motions[parent]
         if _lean_deg(M) > SWEPT_TILT_DEG:
             raise _no_volume(self.asset_id, joint, f"it leans with `{parent}`")
-        return moved, tuple(_moved_layer(M, layer) for layer in _layers(volume))
+        layers = tuple(_moved_layer(M, layer) for layer in _layers(volume))
+        if not layers:
+            raise _no_volume(self.asset_id, joint, "the record of the asset has an empty one")
+        return moved, layers
 
     def beyond_feet_m(self) -> float:
         """How far the mass centre is beyond what the object stands on, negative inside."""

@@ -75,7 +75,7 @@ DRAWERS = FLOOR + (
 )
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 def test_things_lie_in_drawers_where_these_are(library: AssetLibrary, tmp_path: Path, seed: int):
     out = dict(zip(("drawer_1", "drawer_2"), np.random.default_rng(seed).uniform(0.0, 0.25, 2).round(3), strict=True))
     text = DRAWERS % (CUBE, ", ".join(f"{name}: {at}" for name, at in out.items()))
@@ -142,7 +142,7 @@ def door_hits(scene: CompiledScene) -> list[str]:
     return hit
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_a_joint_kept_clear_meets_nothing_on_its_way(library: AssetLibrary, tmp_path: Path, seed: int):
     result = compiled(OVEN + CLEAR, tmp_path, library, seed=seed)
     assert result.report.verdict == "compiled", result.report.diagnostics
@@ -253,7 +253,7 @@ def test_without_a_proof_the_space_is_named_as_what_could_be_dropped(library: As
     text = (FIXED % (CUBE, "", 0.3)).replace("type: discrete", "type: surface")
     text = text.replace("poses: [{x: 0, y: 0}]", "ranges: {x: [0, 0.02], y: [0, 0.02], yaw: [0, 0.01]}")
     text = text.replace("poses: [{x: 0.3, y: 0}]", "ranges: {x: [0.29, 0.31], y: [0, 0.02], yaw: [0, 0.01]}")
-    result = compiled(text + "keep_clear: [{object: unit, joint: drawer_1}]\n", tmp_path, library, budget=300)
+    result = compiled(text + "keep_clear: [{object: unit, joint: drawer_1}]\n", tmp_path, library, budget=120)
     assert result.report.verdict == "budget_exhausted"
     assert [s.edit for s in result.report.suggestions] == ["drop keep_clear of unit.drawer_1"]
 

@@ -14,6 +14,8 @@ from geom.pose import pose
 from scenec.bind.asset_library import AssetLibrary
 from scenec.bind.joint_states import JointState, joint_state
 from scenec.bind.posed_asset import beyond_feet_m
+from schemas.anchors import SupportSurface
+from schemas.articulation import SweptVolume
 from schemas.diagnostics import InvalidInput
 from schemas.mechanism import Mechanism, MechanismJoint
 from schemas.physics import CollisionShape
@@ -22,8 +24,7 @@ from tests.support.scene.articulated import (
     DOOR_LIMITS_RAD,
     DRAWER_TRAVEL_M,
     articulated_library,
-    drawer_panels,
-    microwave_panels,
+    surface_of,
 )
 from usdio.reread.body import Linkage
 
@@ -177,23 +178,17 @@ def test_a_dense_sweep_lies_in_the_space_kept_clear(
     assert posed is not None
     links, layers = posed.keep_clear(joint)
     assert links == (joint,)
-    count = sum(panel.link == joint for panel in (drawer_panels() if joint != "door" else microwave_panels()))
+    shapes = next(link.shapes for link in posed.linkage.links if link.name == joint)
+    origin = next(link.origin for link in posed.linkage.mechanism.links if link.name == joint)
+    assert len(shapes) == (1 if joint == "door" else 5)
     for position in np.linspace(*limits, 60):
-        shapes = library.geometry(asset(name), state=((joint, float(position)),)).posed
-        assert shapes is not None
-        moved = [s for link in shapes.linkage.links if link.name == joint for s in link.shapes]
-        assert len(moved) == count
-        for shape in moved:
-            corners = _corners(shape) @ shapes.motions[joint][:3, :3].T
-            corners = corners + shapes.motions[joint][:3, 3] + shapes.motions[joint][:3, :3] @ _origin(shapes, joint)
+        X_AL = replace(posed, state=((joint, float(position)),)).motions[joint] @ pose(None, origin)
+        for shape in shapes:
+            corners = _corners(shape) @ X_AL[:3, :3].T + X_AL[:3, 3]
             outline = shapely.MultiPoint(corners[:, :2]).convex_hull
             low, high = corners[:, 2].min(), corners[:, 2].max()
             covers = [layer.polygon for layer in layers if layer.low_m <= low + 1e-6 and layer.high_m >= high - 1e-6]
             assert outline.difference(shapely.union_all(covers).buffer(1e-6)).area < 1e-9
-
-
-def _origin(posed: object, link: str) -> np.ndarray:
-    return next(one.origin for one in posed.linkage.mechanism.links if one.name == link)  # pyright: ignore
 
 
 def test_a_swept_space_needs_the_other_joints_of_its_chain_at_rest(library: AssetLibrary):
@@ -216,3 +211,14 @@ def test_what_tips_over_is_found(library: AssetLibrary):
     assert shut.beyond_feet_m() < opened.beyond_feet_m() < 0.0
     heavy = replace(opened.body, mass=replace(opened.body.mass, centre_of_mass_m=np.array([0.2, 0.0, 0.2])))
     assert beyond_feet_m(heavy) == pytest.approx(0.2 - 0.16)  # the bottom reaches to x = 0.16
+
+
+def test_a_record_that_does_not_fit_its_package_is_told(library: AssetLibrary):
+    posed = library.geometry(asset("microwave")).posed
+    assert posed is not None
+    empty = replace(posed, swept={"door": SweptVolume(prisms=(), volume_m3=0.0)})
+    with pytest.raises(InvalidInput, match="an empty one"):
+        empty.keep_clear("door")
+    surface = SupportSurface.model_validate(surface_of("x", (0.0, 0.0, 0.1), (0.1, 0.1), "hatch"))
+    with pytest.raises(InvalidInput, match="names a link `hatch`"):
+        posed.anchor(surface)

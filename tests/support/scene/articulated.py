@@ -92,7 +92,7 @@ def drawer_unit(library: Path) -> None:
     """`drawer_unit`: joints and links `drawer_1`, `drawer_2`; volumes `drawer_1/inside`, `drawer_2/inside`."""
     panels = drawer_panels()
     joints = [_slide(f"drawer_{i}", "case", f"drawer_{i}", DRAWER_TRAVEL_M) for i in (1, 2)]
-    top = _surface("surface_0", (0.0, 0.0, 0.44), (0.34, 0.38))
+    top = surface_of("surface_0", (0.0, 0.0, 0.44), (0.34, 0.38))
     insides = [
         _volume(f"drawer_{i}/inside", (0.0, 0.0, floor), DRAWER_INSIDE_M, f"drawer_{i}")
         for i, floor in zip((1, 2), DRAWER_FLOORS_M, strict=True)
@@ -125,8 +125,8 @@ def microwave(library: Path) -> None:
     door = MechanismJoint("door", "revolute", "body", "door", DOOR_HINGE_M, Z, limits=DOOR_LIMITS_RAD)
     turn = MechanismJoint("turn", "continuous", "body", "plate", np.array([0.0, 0.05, 0.03]), Z)
     anchors = [
-        _surface("surface_0", (0.0, 0.0, 0.28), (0.36, 0.48)),
-        _surface("plate/top", (0.05, 0.05, 0.035), (0.1, 0.2), "plate", 0.22),
+        surface_of("surface_0", (0.0, 0.0, 0.28), (0.36, 0.48)),
+        surface_of("plate/top", (0.05, 0.05, 0.035), (0.1, 0.2), "plate", 0.22),
         _volume("body/inside", (0.01, 0.05, 0.02), (0.32, 0.32, 0.2)),
     ]
     uses = [_use("door", _swung(panels, door), *DOOR_LIMITS_RAD), _use("turn", None, 0.0, math.tau)]
@@ -155,7 +155,7 @@ def chest(library: Path) -> None:
         coupling=JointCoupling("lid", 0.01),
     )  # fmt: skip
     anchors = [
-        _surface("lid/top", (0.0, 0.0, 0.22), (0.3, 0.4), "lid"),
+        surface_of("lid/top", (0.0, 0.0, 0.22), (0.3, 0.4), "lid"),
         _volume("body/inside", (0.0, 0.0, 0.02), (0.26, 0.36, 0.18)),
     ]
     mechanism = Mechanism((_link("body"), _link("lid", LID_HINGE_M), _link("latch", latch.anchor)), (lid, latch))
@@ -246,7 +246,7 @@ def _slide(name: str, parent: str, child: str, travel_m: float) -> MechanismJoin
     return MechanismJoint(name, "prismatic", parent, child, np.zeros(3), X, limits=(0.0, travel_m))
 
 
-def _surface(
+def surface_of(
     anchor_id: str,
     at: tuple[float, float, float],
     size: tuple[float, float],
