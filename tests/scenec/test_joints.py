@@ -11,6 +11,7 @@ import pytest
 import shapely
 
 from runtime_plan.bodies import physical_body
+from runtime_plan.consistency import find_inconsistencies
 from scene_check.batch import scene_at
 from scene_check.check_batch import check_batch
 from scene_check.check_scene import check
@@ -227,6 +228,16 @@ def result_asset(name: str):
     from schemas.scene.program import FixedAsset
 
     return FixedAsset(type="fixed", id=name)
+
+
+def test_a_plan_whose_swept_space_has_no_owner_is_refused(oven: Compiled):
+    assert oven.plan is not None
+    (combination,) = oven.plan.combinations
+    (space,) = combination.keep_clear
+    lost = combination.model_copy(update={"keep_clear": (space.model_copy(update={"owner": "stove"}),)})
+    assert find_inconsistencies(oven.plan) == ()
+    (wrong,) = find_inconsistencies(oven.plan.model_copy(update={"combinations": (lost,)}))
+    assert "stove" in wrong.headline
 
 
 def test_what_lies_in_a_drawer_may_be_in_the_space_that_the_drawer_sweeps(library: AssetLibrary, tmp_path: Path):
