@@ -21,7 +21,7 @@ def stage_picture(stage: Path, view: CameraView, size_px: int) -> bytes:
 
     Raises RuntimeError when the renderer fails: a broken environment, not a bad scene.
     """
-    outcome = read_stage(stage, stage.parent, load_texture=load_texture)
+    outcome = read_stage(stage, stage.parent, load_texture=load_texture, mechanism=False)
     assert outcome.value is not None, "our own stage can be read"
     with tempfile.TemporaryDirectory(prefix="mana") as place:
         request = Path(place) / "request.npz"

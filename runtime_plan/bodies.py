@@ -15,7 +15,7 @@ from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.physics import CollisionShape, MassProperties, RigidBody
 from schemas.scene.program import BoxAsset, CylinderAsset, Inline
 from schemas.scene.runtime_plan import PlanBody
-from usdio.reread.body import reread_body
+from usdio.reread.body import reread_body, reread_linkage
 from usdio.write.package import USD_FOLDER
 from usdio.write.primitive import CONTACT, DENSITY_KGM3, primitive_mass
 
@@ -29,7 +29,7 @@ class PhysicalBody:
 
 
 def physical_body(body: PlanBody, packages: Path | None) -> PhysicalBody:
-    """The rigid body of a plan's body at its scale.
+    """The rigid body of a plan's body at its scale, its joints held in the state of the plan.
 
     Raises FileNotFoundError for a body of a package without a folder of packages, InvalidInput for a package whose
     record is damaged or whose shape or physics changed after it was written (`plan/changed-package`), and as
@@ -51,7 +51,9 @@ def physical_body(body: PlanBody, packages: Path | None) -> PhysicalBody:
     if changed:
         text = f"'{changed[0]}' of the package {body.package} is not the file that its record was written of"
         raise _changed(body.package, changed[0], text)
-    scaled = scaled_body(reread_body(min((folder / USD_FOLDER).glob("*.usda"))), body.scale)
+    main_file = min((folder / USD_FOLDER).glob("*.usda"))
+    whole = reread_linkage(main_file).held(dict(body.joints)) if record.physics.links else reread_body(main_file)
+    scaled = scaled_body(whole, body.scale)
     mass, scale = scaled.mass, body.scale  # a scaled body keeps its density
     mass = MassProperties(mass.mass_kg * scale**3, mass.centre_of_mass_m, mass.inertia_kgm2 * scale**5)
     density = record.physics.density_kgm3

@@ -11,11 +11,12 @@ from functools import cached_property
 import numpy as np
 
 from geom.planar import front_of, turned
-from scene_check.model import CheckObject, CheckScene, PosedPlace
+from scene_check.model import CheckObject, CheckScene, PosedPlace, SweptSpace
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.scene.geometry import (
     BACKGROUND,
     Domain,
+    KeepClear,
     KeepOutVolume,
     Prism,
     ReachRing,
@@ -48,6 +49,7 @@ class SceneRules:
     relations: tuple[SceneRelation, ...] = ()
     keep_outs: tuple[KeepOutVolume, ...] = ()
     reach: ReachRing | None = None
+    keep_clear: tuple[KeepClear, ...] = ()
 
     @cached_property
     def number(self) -> dict[str, int]:
@@ -91,6 +93,7 @@ def scene_at(rules: SceneRules, poses: BatchPoses, k: int) -> CheckScene:
         relations=tuple(relation_in_world(rule, owner(rule.frame)[1]) for rule in rules.relations),
         keep_outs=tuple((place(rule.parent, rule.place), rule) for rule in rules.keep_outs),
         reach=rules.reach,
+        keep_clear=tuple(SweptSpace(space, *owner(space.owner)) for space in rules.keep_clear),
     )
 
 

@@ -21,7 +21,7 @@ from scene_check.batch import BatchPoses, SceneRules, ThingRule, scene_at
 from scene_check.model import TOLERANCE_M, TURN
 from scene_check.relations import PREDICATES, SLACK_M, BatchMembers
 from schemas.arrays import BoolArray, FloatArray, IntArray
-from schemas.scene.geometry import BACKGROUND, KeepOutVolume, ScenePlace, SceneRelation
+from schemas.scene.geometry import BACKGROUND, KeepClear, KeepOutVolume, ScenePlace, SceneRelation
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,8 @@ def unproven(rules: SceneRules, poses: BatchPoses) -> BoolArray:
         bad |= ~_related(rules, poses, footprints, rule)
     for keep_out in rules.keep_outs:
         bad |= _kept_out(rules, poses, footprints, keep_out)
+    for space in rules.keep_clear:
+        bad |= _swept(rules, poses, footprints, space)
     if rules.reach is not None:
         members = [i for i, thing in enumerate(rules.things) if thing.name in rules.reach.members]
         away = np.hypot(*np.moveaxis(poses.origin_m[:, members, :2] - rules.reach.base_m[:2], -1, 0))
@@ -265,3 +267,32 @@ def _kept_out(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds,
         )
         bad |= (meets > SLACK_M) & (distances(rule.polygon, shapely.polygons(hull)) <= 0.0)
     return bad
+
+
+def _swept(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, space: KeepClear) -> BoolArray:
+    """(n,) True where an object may be in the space that a joint sweeps."""
+    owner = rules.number.get(space.owner)
+    exempt: set[int] = set() if owner is None else {owner} | _owners(rules, owner)
+    origin, yaw = _owner(rules, poses, space.owner)
+    bad = np.zeros(len(footprints.low_m), dtype=bool)
+    for i in range(len(rules.things)):
+        if i in exempt or _rides(rules, i, space):
+            continue
+        hull = shapely.polygons(_turned(footprints.hulls[i] - origin[:, None, :2], -yaw))
+        for layer in space.layers:
+            low, high = origin[:, 2] + layer.low_m, origin[:, 2] + layer.high_m
+            meets = np.minimum(footprints.high_m[:, i], high) - np.maximum(footprints.low_m[:, i], low) > SLACK_M
+            if meets.any():
+                bad |= meets & (distances(layer.polygon, hull) <= 0.0)
+    return bad
+
+
+def _rides(rules: SceneRules, i: int, space: KeepClear) -> bool:
+    """Whether object i, or what carries it, is on a place that moves with the joint of a swept space."""
+    while True:
+        thing = rules.things[i]
+        if thing.owner == space.owner:
+            return thing.place.link in space.links
+        if thing.owner == BACKGROUND:
+            return False
+        i = rules.number[thing.owner]

@@ -9,6 +9,8 @@ support     on a surface every outline lies on the polygon and the top under the
 clearance   least distance of footprints between objects that overlap in height: whole footprints and whole heights for
             objects of one place, prism by prism otherwise. Between an object and its owners, or their
             owners, only the owner's geometry over the place (`above`) must not be entered
+keep_clear  nothing is in the space that a joint sweeps but its owner, what the moved links carry, and what carries the
+            owner
 ranges, stances, fixed poses, relations, keep-outs, reach (a ring in x and y). A fixed pose above the floor (a hook, a
             peg hole) needs no support beneath it: the program states that it holds.
 """
@@ -20,7 +22,7 @@ from scene_check.pairs import too_close
 from scene_check.placement import owners_entered, unsupported, wrong_pose
 from scene_check.relations import broken_relation
 from scene_check.stacking import unstable_stacks
-from scene_check.zones import entered_keep_out, out_of_reach
+from scene_check.zones import entered_keep_out, entered_swept_space, out_of_reach
 
 
 def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation, ...]:
@@ -43,6 +45,8 @@ def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation
             violations += broken_relation(relation, [by_name[name] for name in relation.things])
     for place, keep_out in scene.keep_outs:
         violations += entered_keep_out(place, keep_out, scene, by_name)
+    for swept in scene.keep_clear:
+        violations += entered_swept_space(swept, scene, by_name)
     if scene.reach is not None:
         violations += out_of_reach(scene.reach, by_name)
     return tuple(violations)

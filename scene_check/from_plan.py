@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from scene_check.batch import SceneRules, ThingRule
-from schemas.scene.plan_geometry import domain_of, keep_out_of, place_of, reach_of, relation_of, stance_of
+from schemas.scene.plan_geometry import (
+    domain_of,
+    keep_clear_of,
+    keep_out_of,
+    place_of,
+    reach_of,
+    relation_of,
+    stance_of,
+)
 from schemas.scene.runtime_plan import PlanCombination, RuntimePlan
 
 
@@ -29,5 +37,6 @@ def scene_rules(plan: RuntimePlan, combination: PlanCombination) -> SceneRules:
         clearance_m=plan.clearance_m,
         relations=tuple(map(relation_of, combination.relations)),
         keep_outs=tuple(keep_out_of(rule, *places[rule.place]) for rule in combination.keep_outs),
+        keep_clear=tuple(map(keep_clear_of, combination.keep_clear)),
         reach=None if combination.reach is None else reach_of(combination.reach),
     )

@@ -12,13 +12,13 @@ from typing import Literal
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.scene.geometry import Domain, KeepOutVolume, Prism, ReachRing, ScenePlace, SceneRelation
+from schemas.scene.geometry import Domain, KeepClear, KeepOutVolume, Prism, ReachRing, ScenePlace, SceneRelation
 
 TOLERANCE_M = 1e-6
 TURN = 2.0 * np.pi
 ViolationKind = Literal[
     "off_support", "unsupported", "headroom", "outside_volume", "owner_entered", "clearance", "penetration",
-    "relation", "keep_out", "reach", "range", "spot", "stance",
+    "relation", "keep_out", "keep_clear", "reach", "range", "spot", "stance",
 ]  # fmt: skip
 
 
@@ -73,15 +73,25 @@ class CheckObject:
 
 
 @dataclass(frozen=True)
+class SweptSpace:
+    """Space that a joint sweeps, with `origin_m` (3,) and `yaw_rad` of the asset frame of its owner in W."""
+
+    space: KeepClear
+    origin_m: FloatArray
+    yaw_rad: float
+
+
+@dataclass(frozen=True)
 class CheckScene:
     """All placed objects with their rules; fixed surroundings are represented by their places. Each keep-out has its
-    place in W; directions of relations are in W."""
+    place in W, each swept space its owner; directions of relations are in W."""
 
     objects: tuple[CheckObject, ...]
     clearance_m: float
     relations: tuple[SceneRelation, ...] = ()
     keep_outs: tuple[tuple[PosedPlace, KeepOutVolume], ...] = ()
     reach: ReachRing | None = None
+    keep_clear: tuple[SweptSpace, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Violations of keep-outs and of the reach, from the placed objects (metres)."""
+"""Violations of keep-outs, of spaces that joints sweep, and of the reach, from the placed objects (metres)."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import shapely
 from shapely import Polygon
 
 from scene_check.measures import largest, overlap, to_place
-from scene_check.model import TOLERANCE_M, CheckObject, CheckScene, PosedPlace, Violation, owners_of
-from schemas.scene.geometry import KeepOutVolume, ReachRing
+from scene_check.model import TOLERANCE_M, CheckObject, CheckScene, PosedPlace, SweptSpace, Violation, owners_of
+from schemas.scene.geometry import KeepClear, KeepOutVolume, ReachRing
 
 
 def entered_keep_out(
@@ -35,6 +35,44 @@ def entered_keep_out(
         if entered:
             depth = max(shapely.maximum_inscribed_circle(largest(part)).length for part in entered)
             yield Violation("keep_out", (item.name,), float(depth), 0.0)
+
+
+def entered_swept_space(swept: SweptSpace, scene: CheckScene, by_name: dict[str, CheckObject]) -> Iterator[Violation]:
+    """Objects that are in the space that a joint sweeps, each with the depth of its deepest part."""
+    space = swept.space
+    exempt: set[str] = {space.owner}
+    if space.owner in by_name:
+        exempt |= owners_of(by_name[space.owner], by_name)
+    cos, sin = np.cos(swept.yaw_rad), np.sin(swept.yaw_rad)
+    turn_WP = np.array([[cos, -sin], [sin, cos]])
+    for item in scene.objects:
+        if item.name in exempt or _rides(item, space, by_name):
+            continue
+        depth = 0.0
+        for layer in space.layers:
+            inner = layer.polygon.buffer(-TOLERANCE_M, join_style="mitre")
+            span = float(swept.origin_m[2]) + layer.low_m, float(swept.origin_m[2]) + layer.high_m
+            for prism in item.prisms:
+                if overlap((prism.low_m, prism.high_m), span):
+                    outline = Polygon((prism.outline_m - swept.origin_m[:2]) @ turn_WP)
+                    part = outline.intersection(inner)
+                    if part.area > TOLERANCE_M**2:
+                        depth = max(depth, float(shapely.maximum_inscribed_circle(largest(part)).length))
+        if depth > 0.0:
+            yield Violation("keep_clear", (item.name, space.owner), depth, 0.0, "m", space.joint)
+
+
+def _rides(item: CheckObject, space: KeepClear, by_name: dict[str, CheckObject]) -> bool:
+    """Whether an object, or what carries it, is on a place of the owner that moves with the joint."""
+    seen: set[str] = set()
+    while item.name not in seen:
+        if item.place.owner == space.owner:
+            return item.place.geometry.link in space.links
+        if item.place.owner not in by_name:
+            return False
+        seen.add(item.name)
+        item = by_name[item.place.owner]
+    return False
 
 
 def out_of_reach(reach: ReachRing, by_name: dict[str, CheckObject]) -> Iterator[Violation]:

@@ -20,7 +20,7 @@ from scenec.emit.scene import compiled_scene
 from scenec.explain.drop_choices import dropped_choices
 from scenec.explain.minimal_conflict import minimal_conflict
 from scenec.explain.report import conflict_members, failure_finding, verdict_of
-from scenec.explain.suggestions import MOST_SUGGESTIONS, suggestions
+from scenec.explain.suggestions import MOST_SUGGESTIONS, suggestions, without_swept_spaces
 from scenec.explain.verdicts import verdicts
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import Exhausted, Infeasible, Path, Placement, Problem, Proof, Result, Solved
@@ -217,11 +217,12 @@ def _emit(problem: Problem, result: Result, seed: int, derivations: DerivationCa
 
 
 def _explain(problems: Sequence[Problem], failed: int, result: Result, seed: int) -> Explanation:
-    """The conflict behind a proof, and edits that were tried; for a search that ended without one, neither."""
+    """The conflict behind a proof, and edits that were tried; of a search that ended without a proof the spaces kept
+    clear without which there is a scene."""
     problem, others = problems[failed], (*problems[:failed], *problems[failed + 1 :])
-    if not isinstance(result, Infeasible):
-        return Explanation()
     feasible = partial(solve, seed=seed, budget=EXPLAIN_BUDGET)
+    if not isinstance(result, Infeasible):
+        return Explanation(edits=without_swept_spaces(problem, feasible, others))
     conflict = minimal_conflict(problem, feasible)
     if conflict is None:
         return Explanation(result.proof.paths)

@@ -27,7 +27,7 @@ def recorded_surface(anchor: SupportSurface, shapes: Sequence[CollisionShape], s
     """A surface of a record, enlarged by `scale`; `shapes` of the owner are so already."""
     polygon, origin = _polygon(anchor.polygon, scale), np.asarray(anchor.position_m) * scale
     clearance = np.inf if anchor.clearance_m is None else anchor.clearance_m * scale
-    return with_owner(ScenePlace(anchor.anchor_id, polygon, origin, clearance), shapes)
+    return with_owner(ScenePlace(anchor.anchor_id, polygon, origin, clearance, link=anchor.link), shapes)
 
 
 def drawn_surface(name: str, drawn: AuthoredPolygon, shapes: Sequence[CollisionShape]) -> ScenePlace:
@@ -56,7 +56,8 @@ def recorded_volume(anchor: ContainmentVolume, shapes: Sequence[CollisionShape],
         if part.polygons
     )
     origin = np.asarray(anchor.position_m) * scale
-    return _carved(ScenePlace.volume(anchor.anchor_id, layers, _polygon(anchor.opening, scale), origin), shapes)
+    opening = _polygon(anchor.opening, scale)
+    return _carved(ScenePlace.volume(anchor.anchor_id, layers, opening, origin, anchor.link), shapes)
 
 
 def drawn_volume(name: str, drawn: AuthoredPolygon, shapes: Sequence[CollisionShape]) -> ScenePlace:
@@ -88,7 +89,8 @@ def _carved(inside: ScenePlace, shapes: Sequence[CollisionShape]) -> ScenePlace:
         if not isinstance(largest, shapely.Polygon) or largest.is_empty:
             break
         layers.append(PlaceLayer(base - rise, high - rise, largest))
-    return ScenePlace.volume(inside.name, tuple(layers), inside.polygon, inside.origin_P_m + rise * UP)
+    origin = inside.origin_P_m + rise * UP
+    return ScenePlace.volume(inside.name, tuple(layers), inside.polygon, origin, inside.link)
 
 
 def _over(shapes: Sequence[CollisionShape], origin_P_m: np.ndarray, height_m: float = np.inf) -> tuple[Prism, ...]:

@@ -1,9 +1,12 @@
-"""Asset library: loads packages and inline primitives as bodies for scenes. No other module reads packages."""
+"""Asset library: loads packages and inline primitives as bodies for scenes. No other module reads packages.
+
+Articulated packages are loaded in a joint state, as if they were rigid in it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -12,19 +15,22 @@ from shapely.affinity import scale as stretch
 
 from runtime_plan.package_files import changed_physics
 from scenec.bind.anchors import drawn_surface, drawn_volume, recorded_surface, recorded_volume
+from scenec.bind.joint_states import JointState
+from scenec.bind.posed_asset import PosedAsset, swept_volumes
 from scenec.bind.primitives import UPRIGHT, shape_of, stable_quats_wxyz, top_of
 from scenec.bind.prisms import scaled, stance_of
 from scenec.ir.problem import Body
 from scenec.ir.single_assets import SingleAsset
 from scenec.source.hint import did_you_mean
-from schemas.anchors import ContainmentVolume, SupportSurface
+from schemas.anchors import Anchor, ContainmentVolume, SupportSurface
 from schemas.asset import AssetRecord
 from schemas.diagnostics import InvalidInput, Severity, finding
+from schemas.mechanism import Mechanism
 from schemas.outcome import ItemOutcome
 from schemas.physics import CollisionShape
 from schemas.scene.geometry import ScenePlace, Stance
 from schemas.scene.program import AuthoredPolygon, FixedAsset, Inline, Orientation
-from usdio.reread.body import reread_body
+from usdio.reread.body import Linkage, reread_body, reread_linkage
 
 MOST_SEEN = 5_000
 Quat_wxyz = tuple[float, float, float, float]
@@ -44,6 +50,8 @@ class Geometry:
     package: str | None
     inline: Inline | None = None
     doubts: tuple[str, ...] | None = None  # codes of the warnings of a package in review; None for any other
+    posed: PosedAsset | None = None  # of an articulated asset
+    leaning_deg: Mapping[str, float] = field(default_factory=dict[str, float])  # places that lean in this state
 
     @cached_property
     def lean_deg(self) -> float:
@@ -52,17 +60,29 @@ class Geometry:
             (float(np.degrees(2.0 * np.arccos(min(abs(w), 1.0)))) for w, *_ in self.stable_quats_wxyz), default=0.0
         )
 
+    @cached_property
+    def beyond_feet_m(self) -> float:
+        """How far the mass centre of an articulated asset is outside what it stands on in this state; 0 where it is
+        inside, and of all others."""
+        return max(self.posed.beyond_feet_m(), 0.0) if self.posed is not None and self.posed.moved else 0.0
+
+    @property
+    def joints(self) -> tuple[tuple[str, float], ...]:
+        """(joint, position in m or rad) of all joints."""
+        return () if self.posed is None else self.posed.positions
+
 
 class AssetLibrary:
     """A folder of packages (`mana assets ingest --out`); with None only inline primitives are known."""
 
     def __init__(self, folder: Path | None) -> None:
         self.folder = folder
-        self._geometries: dict[tuple[str, float], Geometry] = {}
-        self._bodies: dict[tuple[str, float, Orientation, bool], Body] = {}
+        self._geometries: dict[tuple[str, float, JointState], Geometry] = {}
+        self._bodies: dict[tuple[str, float, JointState, Orientation, bool], Body] = {}
         self._records: dict[str, bytes] = {}
+        self._linkages: dict[str, Linkage] = {}
         # By id of the asset object, for repeated requests.
-        self._seen: dict[tuple[int, float], tuple[SingleAsset, Geometry]] = {}
+        self._seen: dict[tuple[int, float, JointState], tuple[SingleAsset, Geometry]] = {}
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -74,19 +94,24 @@ class AssetLibrary:
     def refresh(self) -> None:
         """Drops the list of packages, and all cached geometry where a package that was used has changed or is gone."""
         if any(self._record(asset_id) != record for asset_id, record in self._records.items()):
-            for known in (self._geometries, self._bodies, self._records, self._seen):
+            for known in (self._geometries, self._bodies, self._records, self._seen, self._linkages):
                 known.clear()
         self.__dict__.pop("names", None)
 
     def body(
-        self, asset: SingleAsset, scale: float = 1.0, orientation: Orientation = "upright", sections: bool = False
+        self,
+        asset: SingleAsset,
+        scale: float = 1.0,
+        orientation: Orientation = "upright",
+        sections: bool = False,
+        state: JointState = (),
     ) -> Body:
         """The asset in each resting orientation, tapering shapes cut into `sections` (see scenec.bind.prisms).
 
-        Raises InvalidInput (`scene/unknown-asset`, `scene/unusable-asset`)."""
-        key = (asset.model_dump_json(), scale, orientation, sections)
+        Raises InvalidInput as `geometry` does."""
+        key = (asset.model_dump_json(), scale, state, orientation, sections)
         if key not in self._bodies:
-            geometry = self.geometry(asset, scale)
+            geometry = self.geometry(asset, scale, state)
             resting_orientations = [
                 _stance(geometry, i, q, sections) for i, q in enumerate(_orientations(geometry, orientation))
             ]
@@ -99,37 +124,54 @@ class AssetLibrary:
                 geometry.package,
                 scale,
                 geometry.inline,
+                joints=geometry.joints,
             )
         return self._bodies[key]
 
-    def geometry(self, asset: SingleAsset, scale: float = 1.0) -> Geometry:
-        """Geometry of the asset. Raises InvalidInput as `body` does."""
-        seen = self._seen.get((id(asset), scale))
+    def geometry(self, asset: SingleAsset, scale: float = 1.0, state: JointState = ()) -> Geometry:
+        """Geometry of the asset in a joint state. Raises InvalidInput (`scene/unknown-asset`, `scene/unusable-asset`,
+        `scene/scaled-joints`)."""
+        seen = self._seen.get((id(asset), scale, state))
         if seen is not None and seen[0] is asset:
             return seen[1]
-        key = (asset.model_dump_json(), scale)
+        key = (asset.model_dump_json(), scale, state)
         if key not in self._geometries:
             package = isinstance(asset, FixedAsset)
-            self._geometries[key] = self._package(asset.id, scale) if package else _primitive(asset, scale)
+            self._geometries[key] = self._package(asset.id, scale, state) if package else _primitive(asset, scale)
         if len(self._seen) >= MOST_SEEN:
             self._seen.clear()
-        self._seen[id(asset), scale] = asset, self._geometries[key]
+        self._seen[id(asset), scale, state] = asset, self._geometries[key]
         return self._geometries[key]
 
+    def mechanism(self, asset: SingleAsset) -> Mechanism | None:
+        """Links and joints of the asset, None where it has none. Raises InvalidInput as `geometry` does."""
+        posed = self.geometry(asset).posed
+        return None if posed is None else posed.linkage.mechanism
+
     def surface(
-        self, asset: SingleAsset, scale: float, reference: str | AuthoredPolygon, name: str
+        self,
+        asset: SingleAsset,
+        scale: float,
+        reference: str | AuthoredPolygon,
+        name: str,
+        state: JointState = (),
     ) -> ScenePlace | None:
         """The surface that `reference` names (`auto`: the main one) or draws (then called `name`); None when absent."""
-        geometry = self.geometry(asset, scale)
+        geometry = self.geometry(asset, scale, state)
         if isinstance(reference, AuthoredPolygon):
             return drawn_surface(name, reference, geometry.shapes)
         return next((s for s in geometry.surfaces if reference in ("auto", s.name)), None)
 
     def volume(
-        self, asset: SingleAsset, scale: float, reference: str | AuthoredPolygon, name: str
+        self,
+        asset: SingleAsset,
+        scale: float,
+        reference: str | AuthoredPolygon,
+        name: str,
+        state: JointState = (),
     ) -> ScenePlace | None:
         """The volume that `reference` names (`auto`: the main one) or draws (then called `name`); None when absent."""
-        geometry = self.geometry(asset, scale)
+        geometry = self.geometry(asset, scale, state)
         if isinstance(reference, AuthoredPolygon):
             return drawn_volume(name, reference, geometry.shapes)
         return next((v for v in geometry.volumes if reference in ("auto", v.name)), None)
@@ -142,7 +184,7 @@ class AssetLibrary:
         except OSError:
             return b""
 
-    def _package(self, asset_id: str, scale: float) -> Geometry:
+    def _package(self, asset_id: str, scale: float, state: JointState) -> Geometry:
         if asset_id not in self.names:
             reason = "there is no asset library" if self.folder is None else "the library has none of that name"
             headline = f"no asset `{asset_id}`: {reason}{did_you_mean(asset_id, self.names)}"
@@ -158,17 +200,27 @@ class AssetLibrary:
         if changed:
             reason = f"'{changed[0]}' is not the file that was tried in simulation: ingest the asset again"
             raise _unusable(asset_id, reason)
+        posed = None
         try:
-            rigid = reread_body(folder / "usd" / f"{asset_id}.usda")
+            if record.physics.links:
+                posed = self._posed(asset_id, folder, record, state)
+                rigid = posed.body
+            else:
+                rigid = reread_body(folder / "usd" / f"{asset_id}.usda")
         except InvalidInput as error:
             raise _unusable(asset_id, error.diagnostic.headline) from None
         if record.outcome is ItemOutcome.REJECTED:
             raise _unusable(asset_id, "it was rejected")
         if not rigid.shapes:
             raise _unusable(asset_id, "it has no collision shape")
+        if posed is not None and scale != 1.0:
+            headline = f"`{asset_id}` has joints, whose limits and links are not scaled: it is used at its own size"
+            raise InvalidInput(finding("scene/scaled-joints", headline, value=scale, bound=1.0))
         shapes = tuple(scaled(shape, scale) for shape in rigid.shapes)
-        anchors = [evidence.value for evidence in record.anchors]
+        anchors, leaning = _level_anchors(record, posed)
         poses = sorted((p.value for p in record.acceptance.stable_poses), key=lambda p: -p.probability)
+        if posed is not None and posed.moved:
+            poses = []  # those of the record are of the rest state
         return Geometry(
             asset_id,
             shapes,
@@ -179,7 +231,27 @@ class AssetLibrary:
             record.physics.mass_kg.value * scale**3,
             asset_id,
             doubts=_doubts(record),
+            posed=posed,
+            leaning_deg=leaning,
         )
+
+    def _posed(self, asset_id: str, folder: Path, record: AssetRecord, state: JointState) -> PosedAsset:
+        if asset_id not in self._linkages:
+            self._linkages[asset_id] = reread_linkage(folder / "usd" / f"{asset_id}.usda")
+        return PosedAsset(asset_id, self._linkages[asset_id], state, swept_volumes(record.joint_uses))
+
+
+def _level_anchors(record: AssetRecord, posed: PosedAsset | None) -> tuple[list[Anchor], dict[str, float]]:
+    """The anchors of an asset in its joint state, and by how many degrees those lean that are not level there."""
+    anchors: list[Anchor] = []
+    leaning: dict[str, float] = {}
+    for evidence in record.anchors:
+        anchor = evidence.value if posed is None else posed.anchor(evidence.value)
+        if isinstance(anchor, float | int):
+            leaning[evidence.value.anchor_id] = anchor
+        else:
+            anchors.append(anchor)
+    return anchors, leaning
 
 
 def _doubts(record: AssetRecord) -> tuple[str, ...] | None:

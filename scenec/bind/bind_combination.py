@@ -10,34 +10,39 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from geom.pose import pose
-from scenec.bind.asset_library import AssetLibrary, Geometry, swing_and_yaw
+from scenec.bind.asset_library import AssetLibrary, Geometry
 from scenec.bind.bind_relations import lower_relations
 from scenec.bind.choice_spans import candidate_path
+from scenec.bind.joint_states import JointState, joint_named, joint_state
+from scenec.bind.posed_asset import TILT_DEG
 from scenec.bind.variants import AS_WRITTEN, ASSETS, Choice
+from scenec.bind.written_poses import domain_at, fixed_pose_of, orientation_of, world_pose_of, yaw_of, yaw_range_of
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.names import Names, anchor_named, kind_of
 from scenec.ir.problem import Body, Path, Problem, Thing, is_round, level_share
 from scenec.ir.single_assets import SingleAsset
 from scenec.source.tree import Spans
-from schemas.arrays import FloatArray
-from schemas.diagnostics import Diagnostic, Label, any_error, finding
-from schemas.scene.geometry import BACKGROUND, Domain, FixedPose, KeepOutVolume, ReachRing, ScenePlace, SceneRelation
+from schemas.diagnostics import Diagnostic, InvalidInput, Label, any_error, finding
+from schemas.scene.geometry import (
+    BACKGROUND,
+    Domain,
+    KeepClear,
+    KeepOutVolume,
+    ReachRing,
+    ScenePlace,
+    SceneRelation,
+)
 from schemas.scene.program import (
-    Background,
     DiscretePlacement,
     FixedAsset,
     Group,
     Orientation,
     Placement,
-    Pose,
     Ranges,
     SceneObject,
-    Slot,
     SlotGroup,
 )
 
-FULL_TURN = 2.0 * np.pi
 RESTS_DEG = 3.0  # largest tilt of a thing when it is released (design: a scene settles)
 
 
@@ -63,14 +68,14 @@ class Lowering:
         self.diagnostics_by_path: list[tuple[Path, Diagnostic]] = []  # without lines, for reuse when lines shift
         self.places: dict[tuple[str, str], tuple[str, ScenePlace] | None] = {}
         self.objects = {thing.id: thing for thing in self.program.objects}
-        self.object_of = {t: node.object for n, node in self.program.layout.nodes.items() for t in names.copies[n]}
+        self.node_of = {t: n for n in self.program.layout.nodes for t in names.copies[n]}
 
     def problem(self) -> Problem:
         """The problem, with the relations, keep-outs and reach of its things."""
         program, background = self.program, self.choice.background
         nodes = (node for node in program.layout.nodes if node in self.nodes)
         things = {thing.name: thing for node in nodes for thing in self._things(node)}
-        background_yaw = _yaw(background) if background is not None else 0.0
+        background_yaw = yaw_of(background) if background is not None else 0.0
         relations: tuple[SceneRelation, ...] = ()
         if not any_error(self.diagnostics):
             relations, wrong = lower_relations(self.names, things, background_yaw, self.spans)
@@ -80,18 +85,36 @@ class Lowering:
         return Problem(
             program.scene,
             self._background(),
-            _world_pose(background),
+            world_pose_of(background),
             tuple(things.values()),
             relations,
             program.clearance,
             tuple(k for k in keep_outs if k is not None and (k.parent == BACKGROUND or k.parent in things)),
             self._reach(things),
             dict(self.choice.combination),
+            self._keep_clear(things),
         )
 
     def _background(self) -> Body | None:
         background, asset = self.choice.background, self.choice.background_asset
-        return None if background is None or asset is None else self.library.body(asset, background.scale)
+        if background is None or asset is None:
+            return None
+        return self.library.body(asset, background.scale, state=self._state(asset, background.joints))
+
+    def _state(self, asset: SingleAsset, joints: Mapping[str, float]) -> JointState:
+        """The joint state of an asset; `check_joints` has found it valid."""
+        return joint_state("", self.library.mechanism(asset), joints)[0] if joints else ()
+
+    def _posed(self, owner: str) -> tuple[SingleAsset, float, JointState] | None:
+        """Asset, scale and joint state of the background or a thing, the first candidate; None without background."""
+        if owner == BACKGROUND:
+            background, asset = self.choice.background, self.choice.background_asset
+            if background is None or asset is None:
+                return None
+            return asset, background.scale, self._state(asset, background.joints)
+        node = self.program.layout.nodes[self.node_of[owner]]
+        asset = self.choice.objects[node.object][0]
+        return asset, self.objects[node.object].scale, self._state(asset, node.joints)
 
     # Things.
 
@@ -106,7 +129,11 @@ class Lowering:
         written = self.objects[layout.nodes[node].object]
         if layout.nodes[node].placement is None:
             return self._bound_things(node, placing, written, parent, place)[0]
-        geometries = [self.library.geometry(asset, written.scale) for asset in self.choice.objects[written.id]]
+        joints = layout.nodes[node].joints
+        geometries = [
+            self.library.geometry(asset, written.scale, self._state(asset, joints))
+            for asset in self.choice.objects[written.id]
+        ]
         things, diagnostics = self.derivations.get(
             ("things", node, parent, *map(id, geometries)),
             lambda: self._bound_things(node, placing, written, parent, place),
@@ -124,9 +151,10 @@ class Lowering:
         group = groups[0] if groups else None
         path: Path = ("layout", "nodes", node)
         placed_by: Path = (*path, "placement") if group is None else ("layout", "groups", group)
-        orientation, turns = _orientation(placing)
+        orientation, turns = orientation_of(placing)
         inside = place.is_volume
-        body = self._body(written.id, written.scale, orientation, placed_by, inside)
+        joints = self.program.layout.nodes[node].joints
+        body = self._body(written.id, written.scale, joints, orientation, placed_by, inside)
         domain = self._domain(placing, node, group, body, turns, placed_by)
         if is_round(place) and not domain.fixed_poses:
             self._report_round_floor(place, anchor_named(placing), parent, placed_by)
@@ -136,19 +164,36 @@ class Lowering:
         )
         return things, tuple(self.diagnostics_by_path[before:])
 
-    def _body(self, name: str, scale: float, orientation: Orientation, placed_by: Path, inside: bool) -> Body:
-        candidates = self.choice.objects[name]
-        for asset in candidates:
-            self._check_rests(self.library.geometry(asset, scale), orientation, placed_by)
-        bodies = [self.library.body(asset, scale, orientation, sections=inside) for asset in candidates]
+    def _body(
+        self,
+        name: str,
+        scale: float,
+        joints: Mapping[str, float],
+        orientation: Orientation,
+        placed_by: Path,
+        inside: bool,
+    ) -> Body:
+        candidates = [(asset, self._state(asset, joints)) for asset in self.choice.objects[name]]
+        for asset, state in candidates:
+            self._check_rests(self.library.geometry(asset, scale, state), orientation, placed_by)
+        bodies = [self.library.body(asset, scale, orientation, inside, state) for asset, state in candidates]
         return bodies[0] if len(bodies) == 1 else _union(bodies)
 
     def _check_rests(self, geometry: Geometry, orientation: Orientation, placed_by: Path) -> None:
         """Adds a finding where requested stable poses are unknown, or where an upright thing will fall over."""
         at, lean_deg = (*placed_by, "orientation"), geometry.lean_deg
         if orientation == "stable" and not geometry.stable_quats_wxyz:
-            headline = f"no stable pose of `{geometry.asset_id}` is known"
+            moved = geometry.posed is not None and geometry.posed.moved
+            state = " in this state of its joints" if moved else ""
+            headline = f"no stable pose of `{geometry.asset_id}` is known{state}"
             self._add(finding("scene/no-stable-pose", headline), at)
+        elif orientation == "upright" and geometry.beyond_feet_m > 0.0:
+            beyond_mm = 1e3 * geometry.beyond_feet_m
+            headline = (
+                f"`{geometry.asset_id}` tips over in this state of its joints: its mass centre is {beyond_mm:.3g} "
+            )
+            headline += "mm beyond what it stands on"
+            self._add(finding("scene/topples", headline, value=beyond_mm, bound=0.0, unit="mm"), at)
         elif orientation == "upright" and lean_deg > RESTS_DEG:
             headline = f"`{geometry.asset_id}` does not rest upright: its nearest stable pose leans {lean_deg:.0f} deg"
             self._add(finding("scene/topples", headline, value=lean_deg, bound=RESTS_DEG, unit="deg"), at)
@@ -173,26 +218,26 @@ class Lowering:
             assign = {**placing.assign, **self.choice.assign.get(group, {})}
             taken = {slot for member, slot in assign.items() if member != node}
             fixed_poses = tuple(
-                _fixed_pose(slot, 0, _yaw(slot), body, slot.id, (*path, "slots", i))
+                fixed_pose_of(slot, 0, yaw_of(slot), body, slot.id, (*path, "slots", i))
                 for i, slot in enumerate(placing.slots)
                 if (assign.get(node, slot.id) == slot.id and slot.id not in taken)
             )
             if not fixed_poses:
                 headline = f"no slot is left for `{node}`: all are assigned to others"
                 self._add(finding("scene/slot-assignment", headline), (*path, "assign"))
-            return _at(fixed_poses, (*path, "slots"))
+            return domain_at(fixed_poses, (*path, "slots"))
         if isinstance(placing, DiscretePlacement):
             fixed_poses = tuple(
-                _fixed_pose(listed, stance, yaw, body, "", (*path, "poses", i))
+                fixed_pose_of(listed, stance, yaw, body, "", (*path, "poses", i))
                 for i, (listed, (stance, yaw)) in enumerate(zip(placing.poses, turns, strict=True))
             )
-            return _at(fixed_poses, (*path, "poses"))
+            return domain_at(fixed_poses, (*path, "poses"))
         ranges = placing.ranges
         everywhere = (-np.inf, np.inf)
         return Domain(
             ranges.x or everywhere,
             ranges.y or everywhere,
-            _yaw_range(ranges),
+            yaw_range_of(ranges),
             orientation_indices,
             (),
             (*path, "ranges"),
@@ -213,30 +258,38 @@ class Lowering:
             self._add(finding("scene/missing-anchor", headline), ("anchors", anchor, "object"))
             return None
         place_name = (reference.surface if kind == "surface" else reference.volume) or "auto"
-        if owner == BACKGROUND:
-            background = self.choice.background
-            assets = (self.choice.background_asset,) if self.choice.background_asset is not None else ()
-            scale = background.scale if background is not None else 1.0
-        else:
-            assets, scale = self.choice.objects[self.object_of[owner]], self.objects[self.object_of[owner]].scale
-        if not assets:
+        posed = self._posed(owner)
+        if posed is None:
             headline = f"the anchor `{anchor}` is on the background, and the program has none"
             self._add(finding("scene/missing-anchor", headline), ("anchors", anchor, "object"))
             return None
+        asset, scale, state = posed
         find = self.library.surface if kind == "surface" else self.library.volume
-        place = find(assets[0], scale, place_name, anchor)
+        place = find(asset, scale, place_name, anchor, state)
         if place is not None and (place.layers or not place.is_volume):
             return owner, place
-        geometry = self.library.geometry(assets[0], scale)
+        geometry = self.library.geometry(asset, scale, state)
+        labels = () if owner == BACKGROUND else self._candidate(self._object_of(owner), asset)
+        if isinstance(place_name, str) and place_name in geometry.leaning_deg:
+            lean_deg = geometry.leaning_deg[place_name]
+            headline = (
+                f"`{anchor}`: `{place_name}` of `{geometry.asset_id}` leans {lean_deg:.3g} deg in this state of its "
+            )
+            headline += "joints: nothing rests on it"
+            more = {"value": lean_deg, "bound": TILT_DEG, "unit": "deg", "labels": labels}
+            self._add(finding("scene/leaning-anchor", headline, **more), ("anchors", anchor, kind))
+            return None
         there = [p.name for p in (geometry.surfaces if kind == "surface" else geometry.volumes)]
         alternatives = f"it has {', '.join(there)}" if there else "it has none"
         named = f"no {kind}" if place_name == "auto" else f"no {kind} `{place_name}`"
         headline = f"`{anchor}`: the asset `{geometry.asset_id}` has {named}" + (
             "" if place_name == "auto" else f"; {alternatives}"
         )
-        labels = () if owner == BACKGROUND else self._candidate(self.object_of[owner], assets[0])
         self._add(finding("scene/missing-anchor", headline, labels=labels), ("anchors", anchor, kind))
         return None
+
+    def _object_of(self, thing: str) -> str:
+        return self.program.layout.nodes[self.node_of[thing]].object
 
     def _candidate(self, name: str, asset: SingleAsset) -> tuple[Label, ...]:
         """A label at the candidate of an object that an asset is; none where the object is no pool."""
@@ -267,6 +320,26 @@ class Lowering:
             polygon = shapely.box(x0, y0, x1, y1)
         return KeepOutVolume(parent, place, polygon, keep_out.height or np.inf, ("keep_outs", index))
 
+    def _keep_clear(self, things: Mapping[str, Thing]) -> tuple[KeepClear, ...]:
+        """The swept spaces of the joints that are kept clear, for each thing that has the joint."""
+        spaces: list[KeepClear] = []
+        for i, rule in enumerate(self.program.keep_clear):
+            for owner in self.names.placed(rule.object):
+                posed = self._posed(owner) if owner == BACKGROUND or owner in things else None
+                if posed is None:
+                    continue
+                asset = self.library.geometry(*posed).posed
+                assert asset is not None, "the joint was found"
+                joint = joint_named(asset.linkage.mechanism, rule.joint)
+                assert joint is not None, "the joint was found"
+                try:
+                    links, layers = asset.keep_clear(joint.name)
+                except InvalidInput as error:
+                    self._add(error.diagnostic, ("keep_clear", i, "joint"))
+                    continue
+                spaces.append(KeepClear(owner, joint.name, links, layers, ("keep_clear", i)))
+        return tuple(spaces)
+
     def _reach(self, things: Mapping[str, Thing]) -> ReachRing | None:
         reach = self.program.reach
         if reach is None:
@@ -278,52 +351,6 @@ class Lowering:
 
 def _itself(rule: SceneRelation) -> SceneRelation:
     return rule
-
-
-def _orientation(placing: Placement | Group) -> tuple[Orientation, tuple[tuple[int, float], ...]]:
-    """The orientations to prepare; for discrete poses also (number of the orientation, yaw) of each."""
-    if isinstance(placing, SlotGroup):
-        return "upright", ()
-    if not isinstance(placing, DiscretePlacement):
-        return placing.orientation, ()
-    parts = [swing_and_yaw(pose.quat_wxyz or (1.0, 0.0, 0.0, 0.0)) for pose in placing.poses]
-    swings = tuple(dict.fromkeys(swing for swing, _ in parts))
-    yaws = [yaw if p.quat_wxyz is not None else _yaw(p) for p, (_, yaw) in zip(placing.poses, parts, strict=True)]
-    return swings, tuple((swings.index(swing), yaw) for (swing, _), yaw in zip(parts, yaws, strict=True))
-
-
-def _fixed_pose(at: Pose | Slot, stance: int, yaw_rad: float, body: Body, name: str, path: Path) -> FixedPose:
-    """A fixed pose in A; without an authored `z` the thing rests on its place."""
-    z = at.z if "z" in at.model_fields_set else body.resting_orientations[stance].origin_height_m
-    return FixedPose(at.x, at.y, z, yaw_rad, name, path, stance)
-
-
-def _at(fixed_poses: tuple[FixedPose, ...], path: Path) -> Domain:
-    """The domain of fixed poses."""
-    if not fixed_poses:
-        return Domain(path=path)
-    xs, ys, yaws = ([getattr(fixed_pose, key) for fixed_pose in fixed_poses] for key in ("x_m", "y_m", "yaw_rad"))
-    turn = (min(yaws), max(yaws)) if max(yaws) - min(yaws) < FULL_TURN else (-np.pi, np.pi)
-    orientation_indices = tuple(sorted({fixed_pose.stance for fixed_pose in fixed_poses}))
-    return Domain((min(xs), max(xs)), (min(ys), max(ys)), turn, orientation_indices, fixed_poses, path)
-
-
-def _yaw(heading: Background | Pose | Slot) -> float:
-    return float(np.radians(heading.yaw_deg)) if heading.yaw_deg is not None else heading.yaw or 0.0
-
-
-def _yaw_range(ranges: Ranges) -> tuple[float, float]:
-    low, high = ranges.yaw or (-np.pi, np.pi)
-    if ranges.yaw_deg is not None:
-        low, high = (float(np.radians(angle)) for angle in ranges.yaw_deg)
-    return (low, high) if high - low < FULL_TURN else (-np.pi, np.pi)
-
-
-def _world_pose(background: Background | None) -> FloatArray:
-    if background is None:
-        return np.eye(4)
-    c, s = np.cos(_yaw(background)), np.sin(_yaw(background))
-    return pose(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), background.position)
 
 
 def _union(bodies: Sequence[Body]) -> Body:

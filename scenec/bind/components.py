@@ -10,6 +10,7 @@ from itertools import islice
 from scenec.bind.asset_library import AssetLibrary
 from scenec.bind.bind_combination import Lowering
 from scenec.bind.check_assets import check_assets
+from scenec.bind.check_joints import check_joints
 from scenec.bind.independent_components import independent_components
 from scenec.bind.variants import MAX_COMBINATIONS, Combination, VariantSpace
 from scenec.ir.derivation_cache import DerivationCache
@@ -115,6 +116,9 @@ def lower(
     variants = VariantSpace(names)
     binder = Binder(names, variants, library, spans, derivations or DerivationCache())
     binder.diagnostics += check_assets(program, library, spans)
+    if any_error(binder.diagnostics):
+        return Lowered((), tuple(binder.diagnostics), binder)
+    binder.diagnostics += check_joints(names, library, spans)
     if any_error(binder.diagnostics):
         return Lowered((), tuple(binder.diagnostics), binder)
     if not variants.is_open:

@@ -13,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 
 from scenec.ir.problem import Problem
 from scenec.solve.coupling import boxes_may_meet, footprint_bounds, heights
+from scenec.solve.keep_clear import beside
 from scenec.solve.model import SolverModel, model_of
 from schemas.scene.geometry import BACKGROUND
 
@@ -21,7 +22,8 @@ def independent_components(problems: Sequence[Problem]) -> tuple[tuple[str, ...]
     """Names of things in the order of the program, by independent component. `problems` must hold each thing in each of
     its geometries on each background. A whole scene exists if and only if each component has one.
 
-    One component holds a thing and all it carries, things that any relation links, and things on the background whose
+    One component holds a thing and all it carries, things that any relation links or that must leave its swept spaces
+    free, and things on the background whose
     bounding boxes, over all their geometries and poses, come closer than the clearance. Unlike the components of one
     problem, these are not separated by coordinates, which would depend on the geometry of the other side.
     """
@@ -35,6 +37,9 @@ def independent_components(problems: Sequence[Problem]) -> tuple[tuple[str, ...]
     for rule in first.relations:
         tied = (*rule.things, rule.frame)
         graph.add_edges_from(pairwise(name for name in tied if name != BACKGROUND))
+    by_name = {thing.name: thing for thing in first.things}
+    for space in first.keep_clear:
+        graph.add_edges_from((space.owner, other) for other in beside(space, by_name))
     roots = [thing.name for thing in first.things if thing.parent == BACKGROUND]
     if roots:
         models = [model_of(problem) for problem in problems]

@@ -126,14 +126,18 @@ class VariantSpace:
         return Choice(dict(combination), objects, background, behind, assign)
 
     def must_be_separate(self) -> frozenset[str]:
-        """Objects whose candidates cannot be united: other things stand on them, or they may be turned over."""
+        """Objects whose candidates cannot be united: other things stand on them, they may be turned over, or a program
+        names their joints."""
         names = self.names
         nodes = names.program.layout.nodes
         used = {anchor for node in nodes if (anchor := names.anchor_of(node)) is not None}
         owners = {names.owner(anchor) for anchor in used}
         carriers = (node.object for name, node in nodes.items() if not owners.isdisjoint(names.copies[name]))
         turned = (node.object for name, node in nodes.items() if not upright(names.placing(name)))
-        return frozenset((*carriers, *turned))
+        jointed = (node.object for node in nodes.values() if node.joints)
+        kept_clear = (rule.object for rule in names.program.keep_clear)
+        kept_clear = (nodes[name].object if name in nodes else name for name in kept_clear)
+        return frozenset((*carriers, *turned, *jointed, *kept_clear))
 
     def _settings(self, keys: Collection[str]) -> Iterator[tuple[str, str, Combination]]:
         # Asset variant, background and slot assignments of each choice of the declared variants among `keys`.

@@ -74,6 +74,11 @@ def _unbound(problem: Problem, derivations: DerivationCache) -> Iterator[str]:
         if abs(math.hypot(*relation.direction) - 1.0) > UNIT:
             yield f"the direction of {relation.word or relation.kind} has no unit length"
     yield from (f"a keep-out of {rule.parent} is no area" for rule in problem.keep_outs if not _sound(rule.polygon))
+    for space in problem.keep_clear:
+        if space.owner not in {*names, BACKGROUND}:
+            yield f"{space.title} speaks of {space.owner}"
+        if not space.layers or not all(_sound(layer.polygon) for layer in space.layers):
+            yield f"{space.title} is no space"
     if problem.reach is not None:
         yield from (f"the reach names {name}" for name in sorted(set(problem.reach.members) - set(names)))
 

@@ -8,6 +8,7 @@ from functools import partial
 
 from scene_check import CheckObject, CheckScene, Violation, check
 from scene_check.batch import object_in_world, place_in_world, relation_in_world
+from scene_check.model import SweptSpace
 from scenec.emit.scene import world_frames
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import Placement, Problem, Thing
@@ -60,6 +61,7 @@ def check_scene(
     keep_outs = tuple(
         (place_in_world(rule.parent, rule.place, *poses[rule.parent]), rule) for rule in problem.keep_outs
     )
+    keep_clear = tuple(SweptSpace(space, *poses[space.owner]) for space in problem.keep_clear)
     relations = tuple(
         derivations.get(
             ("relation", problem.key, k),
@@ -69,7 +71,7 @@ def check_scene(
         )
         for k, relation in enumerate(problem.relations)
     )
-    return CheckScene(objects, problem.clearance_m, relations, keep_outs, problem.reach)
+    return CheckScene(objects, problem.clearance_m, relations, keep_outs, problem.reach, keep_clear)
 
 
 def world_poses(problem: Problem, placements: dict[str, Placement]) -> dict[str, LevelPose]:

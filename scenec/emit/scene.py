@@ -8,12 +8,13 @@ from functools import partial
 
 import numpy as np
 
+from geom.convex_outlines import convex_outlines
 from geom.pose import pose
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import Body, Placement, Problem, Thing
 from schemas.arrays import FloatArray
-from schemas.scene.compiled import CompiledScene, PlacedObject
-from schemas.scene.geometry import BACKGROUND, Prism, Stance, rounded_value
+from schemas.scene.compiled import ClearedSpace, CompiledScene, PlacedObject
+from schemas.scene.geometry import BACKGROUND, KeepClear, Prism, Stance, rounded_value
 from schemas.scene.program import BoxAsset, CylinderAsset, Inline, SphereAsset
 
 _NO_PART = 1e-12  # of a unit quaternion: rounding
@@ -50,6 +51,7 @@ def compiled_scene(
         background=behind,
         objects=tuple(placed.values()),
         clearance_m=problem.clearance_m,
+        keep_clear=tuple(_cleared(space, frames[space.owner]) for space in problem.keep_clear),
     )
 
 
@@ -103,7 +105,18 @@ def _placed(name: str, body: Body, stance: Stance, X_WU: FloatArray, thing: Thin
         semantic_tags=() if thing is None else thing.tags,
         primitive=inline,
         mass_kg=body.mass_kg,
+        joints={joint: rounded_value(position) for joint, position in body.joints},
     )
+
+
+def _cleared(space: KeepClear, X_WU: FloatArray) -> ClearedSpace:
+    """A space that a joint sweeps in the world, as convex prisms."""
+    prisms = [
+        Prism(part, layer.low_m + float(X_WU[2, 3]), layer.high_m + float(X_WU[2, 3])).rounded()
+        for layer in space.layers
+        for part in (outline @ X_WU[:2, :2].T + X_WU[:2, 3] for outline in convex_outlines(layer.polygon))
+    ]
+    return ClearedSpace(owner=space.owner, joint=space.joint, prisms=tuple(prisms))
 
 
 def _quat_wxyz(stance: Stance, X_WU: FloatArray) -> tuple[float, float, float, float]:

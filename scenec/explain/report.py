@@ -42,7 +42,10 @@ def failure_finding(
             value=proof.value,
             bound=proof.bound,
             unit=proof.unit,
-            labels=(*(Label(where=spans.place(path), text=written(path)) for path in paths), *choices[:_MOST_CHOICES]),
+            labels=(
+                *(Label(where=spans.place(path), text=problem.title(path) or written(path)) for path in paths),
+                *choices[:_MOST_CHOICES],
+            ),
         )
     else:
         assert not isinstance(result, Solved), "a scene needs no excuse"

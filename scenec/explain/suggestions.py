@@ -66,6 +66,18 @@ def suggestions(
     return tuple(Suggestion(edit=edit.text, verified=True) for edit in islice(right, MOST_SUGGESTIONS))
 
 
+def without_swept_spaces(problem: Problem, feasible: Feasible, others: Sequence[Problem]) -> tuple[Suggestion, ...]:
+    """Spaces kept clear (`keep_clear`) without any one of which a scene was found, where no proof says why there is
+    none."""
+    oracle = FeasibilityOracle(feasible)
+    titles = {space.path: space.title for space in problem.keep_clear}
+    return tuple(
+        Suggestion(edit=f"drop {title}", verified=True)
+        for path, title in islice(titles.items(), MOST_SUGGESTIONS)
+        if all(oracle.works(relaxed(one, {path})) for one in (problem, *others))
+    )
+
+
 def _edits(problem: Problem, path: Path, oracle: FeasibilityOracle) -> Iterator[ProgramEdit]:
     """Edits of one member of the conflict: its number moved, or the member dropped."""
 
@@ -89,7 +101,7 @@ def _edits(problem: Problem, path: Path, oracle: FeasibilityOracle) -> Iterator[
         yield ProgramEdit(f"free yaw of {written(_owner(path))}", without, 0.5)
         return
     is_range = path[-1] in ("x", "y")
-    subject = f"{path[-1]} of {written(_owner(path))}" if is_range else written(path)
+    subject = f"{path[-1]} of {written(_owner(path))}" if is_range else problem.title(path) or written(path)
     yield ProgramEdit(f"drop {subject}", without, 2.0 if any(thing.path == path for thing in problem.things) else 1.0)
 
 

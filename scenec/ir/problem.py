@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from schemas.arrays import FloatArray
-from schemas.scene.geometry import Domain, KeepOutVolume, ReachRing, ScenePlace, SceneRelation, Stance
+from schemas.scene.geometry import Domain, KeepClear, KeepOutVolume, ReachRing, ScenePlace, SceneRelation, Stance
 
 Path = tuple[str | int, ...]
 LEVEL_SHARE = 0.25  # of a floor that things stand on
@@ -21,7 +21,8 @@ LEVEL_SHARE = 0.25  # of a floor that things stand on
 class Body:
     """Geometry of an asset, scale applied. `surfaces` and `volumes` in its upright frame P, main one first.
 
-    `candidates` are the bodies whose union this one is, empty for a single asset.
+    `candidates` are the bodies whose union this one is, empty for a single asset. `joints` are the positions (m, rad)
+    of the joints of an articulated asset, by name: all else holds for this state.
     """
 
     asset_id: str
@@ -33,6 +34,7 @@ class Body:
     scale: float = 1.0
     inline: object | None = None  # the primitive as written, for the emitter
     candidates: tuple[Body, ...] = ()
+    joints: tuple[tuple[str, float], ...] = ()
 
 
 def level_share(place: ScenePlace) -> float:
@@ -72,11 +74,16 @@ class Problem:
     keep_outs: tuple[KeepOutVolume, ...] = ()
     reach: ReachRing | None = None
     combination: dict[str, str] = field(default_factory=dict)
+    keep_clear: tuple[KeepClear, ...] = ()
 
     @cached_property
     def key(self) -> tuple[tuple[str, str], ...]:
         """Identifies it among the combinations of its program."""
         return tuple(sorted(self.combination.items()))
+
+    def title(self, path: Path) -> str | None:
+        """What reports call the constraint at a path, where that is more than the path: a space that a joint sweeps."""
+        return next((space.title for space in self.keep_clear if space.path == path), None)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ CLEARANCE: Path = ("clearance",)
 
 
 def rules(problem: Problem) -> tuple[Path, ...]:
-    """Paths of the authored constraints: relations, ranges by axis, keep-outs, reach, clearance; in that order."""
+    """Paths of the authored constraints: relations, ranges by axis, keep-outs, spaces kept
+    clear, reach, clearance; in that order."""
     ranges: list[Path] = []
     for thing in problem.things:
         if not thing.domain.fixed_poses:
@@ -25,7 +26,7 @@ def rules(problem: Problem) -> tuple[Path, ...]:
     reach = (problem.reach.path,) if problem.reach is not None else ()
     clearance = (CLEARANCE,) if problem.clearance_m > 0.0 else ()
     relations = [relation.path for relation in problem.relations]
-    keep_outs = [rule.path for rule in problem.keep_outs]
+    keep_outs = [rule.path for rule in (*problem.keep_outs, *problem.keep_clear)]
     return tuple(dict.fromkeys((*relations, *ranges, *keep_outs, *reach, *clearance)))
 
 
@@ -59,6 +60,7 @@ def relaxed(problem: Problem, dropped: Collection[Path]) -> Problem:
             if relation.path not in gone and not away & {*relation.things, relation.frame}
         ),
         keep_outs=tuple(rule for rule in problem.keep_outs if rule.path not in gone and rule.parent not in away),
+        keep_clear=tuple(rule for rule in problem.keep_clear if rule.path not in gone and rule.owner not in away),
         reach=reach,
         clearance_m=0.0 if CLEARANCE in gone else problem.clearance_m,
     )

@@ -18,6 +18,7 @@ from scenec.ir.problem import Exhausted, Infeasible, Path, Problem, Result, Thin
 from scenec.pictures.blockers import footprint, footprint_at, obstructing_things, owner_parts
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations
+from scenec.proofs.swept_spaces import certain_spaces
 from scenec.solve.check import Assignment
 from scenec.solve.model import SolverModel, model_of
 from scenec.solve.regions import feasible_region, region_alone
@@ -55,6 +56,8 @@ def failure(problem: Problem, result: Result, paths: Sequence[Path] = (), chosen
     for rule in problem.keep_outs:
         if (rule.parent, rule.place.name) == (parent, anchor):
             area(axes, rule.polygon, order=1.5, facecolor="none", edgecolor=WRONG, hatch="///", alpha=0.5)
+    for space in next((spaces for thing in here if (spaces := certain_spaces(problem, thing))), ()):
+        area(axes, space.area, order=1.5, facecolor="none", edgecolor=WRONG, hatch="...", alpha=0.5)
     for part in owner_parts(problem, parent, anchor):
         area(axes, part, order=1.6, facecolor=CLEAR, edgecolor=INK, hatch="xxx", linewidth=0.6, alpha=0.5)
     model = model_of(problem)

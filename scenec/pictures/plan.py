@@ -70,7 +70,7 @@ def world_supports(problem: Problem, frames: Mapping[str, FloatArray]) -> list[B
 
 
 def draw_supports(axes: Axes, problem: Problem, frames: Mapping[str, FloatArray]) -> None:
-    """The background, its places in use, keep-outs and the reach of the robot."""
+    """The background, its places in use, keep-outs, spaces kept clear and the reach of the robot."""
     if problem.background is not None:
         whole = footprint(problem.background.resting_orientations[0], frames[BACKGROUND])
         area(axes, whole, order=0.5, facecolor="#f7f5f1", edgecolor=EDGE, linewidth=0.8)
@@ -84,6 +84,10 @@ def draw_supports(axes: Axes, problem: Problem, frames: Mapping[str, FloatArray]
             area(
                 axes, _turned(rule.polygon, moved), order=1.5, facecolor="none", edgecolor=WRONG, hatch="///", alpha=0.5
             )
+    for space in problem.keep_clear:
+        if space.owner in frames:
+            swept = shapely.union_all([_turned(layer.polygon, frames[space.owner]) for layer in space.layers])
+            area(axes, swept, order=1.5, facecolor="none", edgecolor=WRONG, hatch="...", alpha=0.5)
     if problem.reach is not None:
         base = shapely.Point(problem.reach.base_m[:2])
         ring = base.buffer(problem.reach.most_m, 64).difference(base.buffer(problem.reach.least_m, 64))

@@ -13,8 +13,9 @@ from scenec.ir.names import Names
 from scenec.ir.problem import Body, Problem, Solved
 from scenec.plan.pools import PoolKey, plan_pools
 from scenec.solve.model import SolverModel, model_of, owner_first
-from schemas.scene.geometry import ScenePlace
+from schemas.scene.geometry import ScenePlace, rounded_value
 from schemas.scene.plan_geometry import (
+    written_keep_clear,
     written_keep_out,
     written_place,
     written_reach,
@@ -121,6 +122,7 @@ def _combination(
         pools=pools,
         relations=tuple(map(written_relation, problem.relations)),
         keep_outs=tuple(written_keep_out(rule, number[rule.parent, rule.place.name]) for rule in problem.keep_outs),
+        keep_clear=tuple(map(written_keep_clear, problem.keep_clear)),
         reach=None if problem.reach is None else written_reach(problem.reach),
         materials=tuple(material.id for material in program.variants.materials),
         lighting=tuple(lighting.id for lighting in program.variants.lighting),
@@ -158,6 +160,7 @@ class PlanBodies:
             scale=body.scale,
             mass_kg=body.mass_kg,
             primitive=body.inline,  # pyright: ignore[reportArgumentType]
+            joints=tuple((joint, rounded_value(position)) for joint, position in body.joints),
             stances=tuple(written_stance(stance) for stance in body.resting_orientations),
         )
         if plan_body not in self._number:

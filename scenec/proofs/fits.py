@@ -14,6 +14,7 @@ from geom.planar import turned
 from scenec.ir.problem import Path, Problem, Proof, Thing
 from scenec.proofs.outlines import OUTLINE_SLACK_M, SMALLEST_CELL_RAD, YawCell, hull
 from scenec.proofs.places import PlacementBounds, area, fits_height, free_region, placement_bounds
+from scenec.proofs.swept_spaces import beside, certain_spaces
 from schemas.scene.geometry import FixedPose, Stance
 
 
@@ -52,8 +53,13 @@ def _no_region(problem: Problem, thing: Thing) -> Proof | None:
     size = shapely.get_coordinates(shapely.minimum_rotated_rectangle(area(thing.place)))
     wide = float(np.hypot(*(size[1:3] - size[:2]).T).min())
     rules = tuple(r.path for r in problem.keep_outs if (r.parent, r.place.name) == (thing.parent, thing.place.name))
+    spaces = certain_spaces(problem, thing)
     text = f"{thing.name} fits nowhere on {thing.place.name} of {thing.parent} within its ranges, at any heading"
-    paths = (thing.path, *_range_paths(thing), *rules, *_reach_path(problem, thing))
+    text += beside(spaces)
+    swept = dict.fromkeys(space.path for space in spaces)
+    owners = [other for other in problem.things if any(space.owner == other.name for space in problem.keep_clear)]
+    owner_paths = (path for other in owners for path in (other.path, *_range_paths(other)) if spaces)
+    paths = (thing.path, *_range_paths(thing), *rules, *swept, *owner_paths, *_reach_path(problem, thing))
     return Proof("empty-region", text, narrow, wide, "m", paths)
 
 
@@ -61,6 +67,7 @@ def _plainly(problem: Problem, thing: Thing, stance: Stance) -> bool:
     """Whether it fits in the middle of its ranges or place: a fast sufficient test for the usual case."""
     place, reach = thing.place, problem.reach
     bounded = any((rule.parent, rule.place.name) == (thing.parent, place.name) for rule in problem.keep_outs)
+    bounded = bounded or bool(certain_spaces(problem, thing))
     if bounded or place.is_volume or place.above or (reach and thing.name in reach.members):
         return False
     ranges, middle = np.array([thing.domain.x_m, thing.domain.y_m]), shapely.get_coordinates(place.polygon.centroid)[0]
@@ -96,8 +103,11 @@ def _reach_path(problem: Problem, thing: Thing) -> tuple[Path, ...]:
 def _no_fixed_pose(problem: Problem, thing: Thing) -> Proof | None:
     if any(fixed_pose_usable(problem, thing, fixed_pose) for fixed_pose in thing.domain.fixed_poses):
         return None
+    spaces = certain_spaces(problem, thing)
     text = f"none of the {len(thing.domain.fixed_poses)} written poses of {thing.name} is free of its place's bounds"
-    return Proof("empty-domain", text, 0.0, 1.0, "poses", (thing.path, thing.domain.path))
+    text += beside(spaces)
+    paths = (thing.path, thing.domain.path, *dict.fromkeys(space.path for space in spaces))
+    return Proof("empty-domain", text, 0.0, 1.0, "poses", paths)
 
 
 def fixed_pose_usable(problem: Problem, thing: Thing, fixed_pose: FixedPose) -> bool:
@@ -119,6 +129,12 @@ def fixed_pose_usable(problem: Problem, thing: Thing, fixed_pose: FixedPose) -> 
                 entered = min(base + prism.high_m, rule.height_m) - max(base + prism.low_m, 0.0) > OUTLINE_SLACK_M
                 if entered and outline.intersection(inner).area > OUTLINE_SLACK_M:
                     return False
+    for space in certain_spaces(problem, thing):
+        inner = space.area.buffer(-OUTLINE_SLACK_M, join_style="mitre")
+        for prism, outline in zip(stance.prisms, outlines, strict=True):
+            entered = min(base + prism.high_m, space.high_m) - max(base + prism.low_m, space.low_m) > OUTLINE_SLACK_M
+            if entered and outline.intersection(inner).area > OUTLINE_SLACK_M:
+                return False
     ring = placement_bounds(problem, thing, stance).ring
     if ring is not None:
         centre, least, most = ring

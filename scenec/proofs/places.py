@@ -16,6 +16,7 @@ from shapely import Polygon
 from geom.planar import turned
 from scenec.ir.problem import Problem, Thing
 from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, half_planes, hull, kernel, support_bounds
+from scenec.proofs.swept_spaces import certain_spaces
 from schemas.arrays import FloatArray
 from schemas.scene.geometry import BACKGROUND, ScenePlace, Stance
 
@@ -94,6 +95,13 @@ def placement_bounds(problem: Problem, thing: Thing, stance: Stance) -> Placemen
         if (rule.parent, rule.place.name) == (thing.parent, thing.place.name):
             entered = [prism for prism in pieces if prism.low_m + lift < rule.height_m - OUTLINE_SLACK_M]
             obstacles += [(prism.outline_m, part) for prism in entered for part in _parts(rule.polygon)]
+    for space in certain_spaces(problem, thing):
+        entered = [
+            prism
+            for prism in pieces
+            if prism.low_m + lift < space.high_m - OUTLINE_SLACK_M and prism.high_m > space.low_m + OUTLINE_SLACK_M
+        ]
+        obstacles += [(prism.outline_m, part) for prism in entered for part in _parts(space.area)]
     (x0, x1), (y0, y1) = thing.domain.x_m, thing.domain.y_m
     return PlacementBounds(
         tuple(walls), tuple(obstacles), np.array([x0, y0]), np.array([x1, y1]), _ring(problem, thing)
@@ -149,10 +157,12 @@ def linear_bounds(placement_bounds: PlacementBounds, yaw: YawCell) -> tuple[Floa
 
 def forbidden(placement_bounds: PlacementBounds, yaw: YawCell) -> list[FloatArray]:
     """Convex outlines in A whose interior cannot contain the origin at any yaw of the interval."""
+    kernels = {id(outline): outline for outline, _ in placement_bounds.obstacles}
+    kernels = {key: kernel(outline, yaw) for key, outline in kernels.items()}
     outlines = [
         minkowski(obstacle, -inner)
         for outline, obstacle in placement_bounds.obstacles
-        if len(inner := kernel(outline, yaw)) >= 3
+        if len(inner := kernels[id(outline)]) >= 3
     ]
     if placement_bounds.ring is not None and placement_bounds.ring[1] > 0.0:
         angles = np.arange(RING_SIDES) * (2.0 * np.pi / RING_SIDES)

@@ -112,7 +112,7 @@ def _digest(item: Body | ScenePlace) -> Digest:
         )
     above = [_array(s.outline_m) + repr((s.low_m, s.high_m)).encode() for s in item.above]
     layers = [repr((low, high)).encode() + _polygon(polygon) for low, high, polygon in item.layers]
-    name = repr((item.name, item.kind, item.height_m, len(above))).encode()
+    name = repr((item.name, item.kind, item.height_m, len(above), item.link)).encode()
     return _hash(name, _polygon(item.polygon), _array(item.origin_P_m), *above, *layers)
 
 
@@ -133,7 +133,12 @@ def _surroundings(model: SolverModel) -> Digest:
     ]
     reach = problem.reach
     ring = b"" if reach is None else _array(reach.base_m) + repr((reach.least_m, reach.most_m, reach.members)).encode()
-    return _hash(repr(problem.clearance_m).encode(), _array(problem.X_WB), ring, *keep_outs)
+    spaces = [
+        repr((space.owner, space.joint, space.links)).encode()
+        + b"".join(repr((low, high)).encode() + _polygon(area) for low, high, area in space.layers)
+        for space in problem.keep_clear
+    ]
+    return _hash(repr(problem.clearance_m).encode(), _array(problem.X_WB), ring, *keep_outs, *spaces)
 
 
 def _rule(rule: SceneRelation) -> bytes:

@@ -19,6 +19,7 @@ from shapely import Polygon
 
 from scenec.ir.problem import Placement, Problem, Thing
 from scenec.relations.table import RELATIONS
+from scenec.solve.keep_clear import keep_clear_rules, keep_outs_of
 from scenec.solve.placed import Placed
 from scenec.solve.planar import SLACK_M, polygon
 from scenec.solve.shapes import Shape, carried_prisms, shape_of, tallest
@@ -36,11 +37,14 @@ class Site:
         shift = np.array([ox, oy])
         self.above = tuple((polygon(s.outline_m + shift), s.low_m + oz, s.high_m + oz) for s in place.above)
         # Keep-outs count for all that the owner carries: (polygon, low, high).
-        self.keep_outs = tuple(
-            (_shifted(keep.polygon, x, y), z, z + keep.height_m)
-            for keep in problem.keep_outs
-            if keep.parent == parent
-            for x, y, z in [tuple(float(v) for v in keep.place.origin_P_m)]
+        self.keep_outs = (
+            *(
+                (_shifted(keep.polygon, x, y), z, z + keep.height_m)
+                for keep in problem.keep_outs
+                if keep.parent == parent
+                for x, y, z in [tuple(float(v) for v in keep.place.origin_P_m)]
+            ),
+            *keep_outs_of(problem, parent, place),
         )
         self.origin_P_m, self.base_P_m = place.origin_P_m, oz
         self.top_m = place.height_m
@@ -147,7 +151,7 @@ class SolverModel:
 
 
 def model_of(problem: Problem) -> SolverModel:
-    """The model of a problem with the program's own relations as rules."""
+    """The model of a problem: rules are the program's own relations, and those of spaces kept clear."""
     things = {thing.name: thing for thing in sorted(problem.things, key=lambda t: t.name)}
     children: dict[str, list[Thing]] = defaultdict(list)
     for thing in things.values():
@@ -168,7 +172,8 @@ def model_of(problem: Problem) -> SolverModel:
         )
     places = {(thing.parent, thing.place.name): thing.place for thing in things.values()}
     sites = {key: Site(key[0], place, problem) for key, place in places.items()}
-    return SolverModel(problem, things, shapes, sites, problem.relations, {})
+    rules = (*problem.relations, *keep_clear_rules(problem, things))
+    return SolverModel(problem, things, shapes, sites, rules, {})
 
 
 def _stacked_height_m(

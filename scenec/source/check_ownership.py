@@ -23,6 +23,8 @@ def check_ownership(names: Names, spans: Spans) -> Iterator[Diagnostic]:
         yield from _place(names, path, placing, spans)
     for i, keep_out in enumerate(names.program.keep_outs):
         yield from _anchor(names, keep_out.surface, "surface", spans, ("keep_outs", i, "surface"))
+    for i, rule in enumerate(names.program.keep_clear):
+        yield from _kept_clear(names, rule.object, spans, ("keep_clear", i, "object"))
     yield from _circles(names, spans)
     yield from _tipped(names, spans)
 
@@ -68,6 +70,17 @@ def _anchors(names: Names, spans: Spans) -> Iterator[Diagnostic]:
         elif len(placed) > 1:
             headline = f"`{anchor.object}` is placed {len(placed)} times: {', '.join(placed[:4])}"
             yield finding("scene/ambiguous-name", headline, where=spans.place(path))
+
+
+def _kept_clear(names: Names, name: str, spans: Spans, path: Path) -> Iterator[Diagnostic]:
+    program = names.program
+    if name == BACKGROUND and program.background is None and not program.variants.backgrounds:
+        headline = "a joint of the background is kept clear, and the program has none"
+        yield finding("scene/unknown-name", headline, where=spans.place(path))
+    elif not names.placed(name) and name not in names.objects:
+        known = [BACKGROUND, *names.objects, *program.layout.nodes]
+        headline = f"there is no object `{name}`{did_you_mean(name, known)}"
+        yield finding("scene/unknown-name", headline, where=spans.place(path))
 
 
 def _placings(names: Names) -> Iterator[tuple[Path, Placement | Group]]:
@@ -124,7 +137,11 @@ def _tipped(names: Names, spans: Spans) -> Iterator[Diagnostic]:
     """Owners whose orientation may be other than a turn about the vertical."""
     nodes = names.program.layout.nodes
     owners = {names.owner(anchor) for node in nodes if (anchor := names.anchor_of(node)) is not None}
+    kept_clear = {thing for rule in names.program.keep_clear for thing in names.placed(rule.object)}
     for name in nodes:
         if not owners.isdisjoint(names.copies[name]) and not upright(names.placing(name)):
             headline = f"`{name}` carries things, but may be turned over"
+            yield finding("scene/owner-not-upright", headline, where=spans.key(("layout", "nodes", name)))
+        elif not kept_clear.isdisjoint(names.copies[name]) and not upright(names.placing(name)):
+            headline = f"a joint of `{name}` is kept clear, but `{name}` may be turned over"
             yield finding("scene/owner-not-upright", headline, where=spans.key(("layout", "nodes", name)))

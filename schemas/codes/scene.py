@@ -229,6 +229,52 @@ SCENE_CODES: dict[str, CodeInfo] = {
         "In drop trials it came to rest in other poses only. Let go in a simulator, it will fall over.",
         "write `orientation: stable`, or one of the stable poses of its record",
     ),
+    # Joints.
+    "scene/unknown-joint": CodeInfo(
+        "error",
+        "An asset has no such joint that can be set",
+        "A misspelt joint would silently stay at rest. Rigid assets have none; a ball joint has no single position.",
+        "take one of the joints listed: those of the record of the asset (`mana assets show`)",
+    ),
+    "scene/joint-range": CodeInfo(
+        "error",
+        "A joint is placed beyond its limits",
+        "No mechanism gets there, and a simulator would push it back at the first step. Joints that follow the one "
+        "written must stay within their limits, too.",
+        "write a position between the two bounds: metres for slides, radians for hinges, degrees with `_deg`",
+    ),
+    "scene/joint-follows": CodeInfo(
+        "error",
+        "The position of a joint follows from others",
+        "A coupled joint stands where the joint that it follows puts it, and a joint that closes a loop where the "
+        "others do.",
+        "write the position of the joint that it follows",
+    ),
+    "scene/joint-loop": CodeInfo(
+        "error",
+        "A loop of links does not close in the state that is written",
+        "The positions of the joints of a loop depend on one another; these pull its ends apart.",
+        "write positions that go together, or leave the joints of the loop at rest",
+    ),
+    "scene/scaled-joints": CodeInfo(
+        "error",
+        "An asset with joints is scaled",
+        "The limits, drives and masses of its links hold for its own size.",
+        "use it at scale 1; ingest the source at another unit for another size",
+    ),
+    "scene/leaning-anchor": CodeInfo(
+        "error",
+        "A place leans in the joint state of its object",
+        "The surfaces of a link turn with it. On a lid that stands open, and in a bin tipped out, nothing rests.",
+        "take another place, or another position of the joint",
+    ),
+    "scene/no-swept-volume": CodeInfo(
+        "error",
+        "The space that a joint sweeps is not known",
+        "`keep_clear` needs the swept volume of the record. It is that of the joint alone, with all others at rest: a "
+        "link that another joint moved or tilted sweeps another space.",
+        "leave the joints that carry or are carried by this one at rest; ingest the asset again if its record is old",
+    ),
     "scene/union-footprints": CodeInfo(
         "info",
         "Combinations of variants were not compiled one by one",

@@ -27,7 +27,8 @@ class PlacedObject(_Model):
     `prisms` are its collision geometry in the world, by which anyone can check the scene without packages. `parent` is
     the object under or around it (`background` for fixed objects), `anchor` the name of that place. `package` is
     its folder below `packages/` beside the scene file; what has none is the `primitive` as written, before `scale`.
-    `mass_kg` is the mass at that scale, None where nobody said any.
+    `mass_kg` is the mass at that scale, None where nobody said any. `joints` are the positions (m, rad) of the joints
+    of an articulated object, for which the prisms hold; other objects have no such key.
     """
 
     id: str
@@ -42,6 +43,15 @@ class PlacedObject(_Model):
     semantic_tags: tuple[str, ...] = ()
     primitive: Annotated[Inline, Field(discriminator="type")] | None = None
     mass_kg: float | None = None
+    joints: dict[str, float] = Field(default={}, exclude_if=lambda joints: not joints)
+
+
+class ClearedSpace(_Model):
+    """Space in the world that a joint of an object sweeps and that other objects leave free (`keep_clear`)."""
+
+    owner: str
+    joint: str
+    prisms: tuple[Prism, ...]
 
 
 class CompiledScene(_Model):
@@ -54,6 +64,7 @@ class CompiledScene(_Model):
     background: PlacedObject | None
     objects: tuple[PlacedObject, ...]
     clearance_m: float
+    keep_clear: tuple[ClearedSpace, ...] = Field(default=(), exclude_if=lambda spaces: not spaces)
 
 
 class ConflictMember(_Model):

@@ -104,7 +104,7 @@ class ScenePlace:
 
     `height_m` is the free height over a surface (inf under the open sky), or that of the rim over the floor. `layers`
     slice a volume from the floor up; a surface has none. `above` are pieces of the owner over a surface (rims, shelf
-    posts), in A.
+    posts), in A. `link` is the link of an articulated owner that carries the place, None of any other.
     """
 
     name: str
@@ -114,11 +114,20 @@ class ScenePlace:
     above: tuple[Prism, ...] = ()
     layers: tuple[PlaceLayer, ...] = ()
     kind: Literal["surface", "volume"] = "surface"
+    link: str | None = None
 
     @classmethod
-    def volume(cls, name: str, layers: tuple[PlaceLayer, ...], opening: Polygon, origin_P_m: FloatArray) -> ScenePlace:
+    def volume(
+        cls,
+        name: str,
+        layers: tuple[PlaceLayer, ...],
+        opening: Polygon,
+        origin_P_m: FloatArray,
+        link: str | None = None,
+    ) -> ScenePlace:
         """The inside of a receptacle; `origin_P_m` is on its floor, its rim at the top of its layers."""
-        return cls(name, opening, origin_P_m, layers[-1].high_m if layers else 0.0, layers=layers, kind="volume")
+        height_m = layers[-1].high_m if layers else 0.0
+        return cls(name, opening, origin_P_m, height_m, layers=layers, kind="volume", link=link)
 
     @property
     def is_volume(self) -> bool:
@@ -172,6 +181,24 @@ class KeepOutVolume:
 
 
 @dataclass(frozen=True, eq=False)
+class KeepClear:
+    """Space that the motion of a joint of `owner` (a thing's name, or BACKGROUND) needs: no other object is in it, but
+    what the moved `links` carry and what the owner itself stands on. `layers` are upright prisms in P of the owner,
+    their heights over its asset origin; they may overlap."""
+
+    owner: str
+    joint: str
+    links: tuple[str, ...]
+    layers: tuple[PlaceLayer, ...]
+    path: tuple[str | int, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """What reports call it."""
+        return f"keep_clear of {self.owner}.{self.joint}"
+
+
+@dataclass(frozen=True, eq=False)
 class ReachRing:
     """Origins of `members` lie between `least_m` and `most_m` from `base_m` (3,) in W, seen from above."""
 
@@ -189,7 +216,7 @@ class SceneRelation:
 
     `direction` is a unit vector (2,) in P of `frame`, which is BACKGROUND or a thing; the judge of one scene takes it
     in W. `word` is the one that was written, where it was, and `key` where its number is written, if not in the key
-    that is usual for its kind.
+    that is usual for its kind. `zone` is the space that the second thing leaves free, of the kind that no word writes.
     """
 
     kind: str
@@ -202,6 +229,7 @@ class SceneRelation:
     word: str = ""
     angle_rad: tuple[float, float] | None = None
     key: str = ""
+    zone: KeepClear | None = None
 
     @property
     def as_written(self) -> tuple[str, ...]:

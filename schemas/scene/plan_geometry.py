@@ -17,6 +17,7 @@ from schemas.arrays import FloatArray
 from schemas.scene.geometry import (
     Domain,
     FixedPose,
+    KeepClear,
     KeepOutVolume,
     PlaceLayer,
     ReachRing,
@@ -26,6 +27,7 @@ from schemas.scene.geometry import (
     rounded_points,
 )
 from schemas.scene.runtime_plan import (
+    PlanKeepClear,
     PlanKeepOut,
     PlanLayer,
     PlanPlace,
@@ -73,7 +75,7 @@ def _pairs(points_m: FloatArray) -> tuple[tuple[float, float], ...]:
 
 def place_of(document: PlanPlace) -> ScenePlace:
     """The place of a document. A document leaves out the opening of a volume: it is that of the highest layer."""
-    layers = tuple(PlaceLayer(layer.low_m, layer.high_m, polygon_of(layer.polygon)) for layer in document.layers)
+    layers = tuple(map(_layer_of, document.layers))
     polygon = layers[-1].polygon if layers else Polygon()
     return ScenePlace(
         name=document.name,
@@ -83,7 +85,16 @@ def place_of(document: PlanPlace) -> ScenePlace:
         above=document.above,
         layers=layers,
         kind=document.kind,
+        link=document.link,
     )
+
+
+def _layer_of(document: PlanLayer) -> PlaceLayer:
+    return PlaceLayer(document.low_m, document.high_m, polygon_of(document.polygon))
+
+
+def _written_layer(layer: PlaceLayer) -> PlanLayer:
+    return PlanLayer(low_m=layer.low_m, high_m=layer.high_m, polygon=written_polygon(layer.polygon))
 
 
 def written_place(place: ScenePlace) -> PlanPlace:
@@ -93,11 +104,10 @@ def written_place(place: ScenePlace) -> PlanPlace:
         kind=place.kind,
         origin_m=_triple(place.origin_P_m),
         polygon=None if place.is_volume else written_polygon(place.polygon),
-        layers=tuple(
-            PlanLayer(low_m=low, high_m=high, polygon=written_polygon(area)) for low, high, area in place.layers
-        ),
+        layers=tuple(map(_written_layer, place.layers)),
         height_m=float(place.height_m) if isfinite(place.height_m) else None,
         above=tuple(prism.rounded() for prism in place.above),
+        link=place.link,
     )
 
 
@@ -177,6 +187,18 @@ def written_keep_out(keep_out: KeepOutVolume, place: int) -> PlanKeepOut:
     """The document of a keep-out on the place of that number."""
     height_m = float(keep_out.height_m) if isfinite(keep_out.height_m) else 0.0
     return PlanKeepOut(place=place, polygon=written_polygon(keep_out.polygon), height_m=height_m or _OPEN_M)
+
+
+def keep_clear_of(document: PlanKeepClear) -> KeepClear:
+    """The swept space of a document."""
+    return KeepClear(document.owner, document.joint, document.links, tuple(map(_layer_of, document.layers)))
+
+
+def written_keep_clear(space: KeepClear) -> PlanKeepClear:
+    """The document of a swept space."""
+    return PlanKeepClear(
+        owner=space.owner, joint=space.joint, links=space.links, layers=tuple(map(_written_layer, space.layers))
+    )
 
 
 def reach_of(document: PlanReach) -> ReachRing:

@@ -18,6 +18,16 @@ Point3 = tuple[float, float, float]
 Quat_wxyz = tuple[float, float, float, float]
 
 
+JointPositions: TypeAlias = Annotated[
+    dict[str, float],
+    Field(
+        exclude_if=lambda joints: not joints,  # programs without joints are dumped, and hashed, as if there were none
+        description="positions of joints by name, in metres or radians; in degrees where `_deg` is added to the name. "
+        "Joints that are left out are at rest",
+    ),
+]
+
+
 # What an object is.
 
 
@@ -94,6 +104,7 @@ class Background(Written):
     position: Point3 = (0.0, 0.0, 0.0)
     yaw: float | None = None
     yaw_deg: float | None = None
+    joints: JointPositions = Field(default={})
 
 
 # Where things may be.
@@ -174,6 +185,7 @@ class LayoutNode(Written):
 
     object: str
     placement: Placement | None = None
+    joints: JointPositions = Field(default={})
 
 
 class RegionGroup(Written):
@@ -247,6 +259,13 @@ class KeepOut(Written):
     outline: tuple[Point2, ...] | None = None
     ranges: Ranges | None = None
     height: Length | None = None
+
+
+class KeepClearRule(Written):
+    """The space that a joint of a placed object (or of the background) sweeps stays free of other objects."""
+
+    object: str
+    joint: str
 
 
 class Reach(Written):
@@ -336,6 +355,7 @@ class SceneProgram(Written):
     relations: tuple[Relation, ...] = ()
     clearance: Distance = 0.01
     keep_outs: tuple[KeepOut, ...] = ()
+    keep_clear: tuple[KeepClearRule, ...] = Field(default=(), exclude_if=lambda rules: not rules)
     reach: Reach | None = None
     variants: Variants = Variants()
     split: Split = Split()

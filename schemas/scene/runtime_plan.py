@@ -59,7 +59,8 @@ class PlanLayer(_Model):
 class PlanPlace(_Model):
     """A surface (`polygon`) or the inside of a receptacle (`layers`); `height_m` is free height or rim, None: open sky.
 
-    `above` are pieces of the owner over the place, in A. `origin_m` is the origin of A in U of the owner.
+    `above` are pieces of the owner over the place, in A. `origin_m` is the origin of A in U of the owner. `link` is the
+    link of an articulated owner that carries the place.
     """
 
     name: str
@@ -69,10 +70,13 @@ class PlanPlace(_Model):
     layers: tuple[PlanLayer, ...] = ()
     height_m: float | None = None
     above: tuple[Prism, ...] = ()
+    link: str | None = Field(default=None, exclude_if=lambda link: link is None)
 
 
 class PlanBody(_Model):
-    """An asset at its scale. `package_hash` is the SHA-256 of its record, None for what needs no package."""
+    """An asset at its scale. `package_hash` is the SHA-256 of its record, None for what needs no package. `joints` are
+    (name, position in m or rad) of the joints of an articulated asset, at which they are held: the stances are those of
+    this state."""
 
     asset_id: str
     package: str | None = None
@@ -80,6 +84,7 @@ class PlanBody(_Model):
     scale: float = 1.0
     mass_kg: float | None = None
     primitive: Annotated[Inline, Field(discriminator="type")] | None = None
+    joints: tuple[tuple[str, float], ...] = Field(default=(), exclude_if=lambda joints: not joints)
     stances: tuple[PlanStance, ...]
 
 
@@ -134,6 +139,17 @@ class PlanKeepOut(_Model):
     height_m: float
 
 
+class PlanKeepClear(_Model):
+    """Space that `joint` of `owner` (a thing's id or `background`) sweeps: no other object is in it, but what the moved
+    `links` carry and what the owner stands on. `layers` are upright prisms in U of the owner, heights over its asset
+    origin."""
+
+    owner: str
+    joint: str
+    links: tuple[str, ...]
+    layers: tuple[PlanLayer, ...]
+
+
 class PlanReach(_Model):
     """Origins of `members` lie between two distances of `base_m` (W), seen from above."""
 
@@ -178,6 +194,7 @@ class PlanCombination(_Model):
     pools: tuple[PlanPool, ...]
     relations: tuple[PlanRelation, ...] = ()
     keep_outs: tuple[PlanKeepOut, ...] = ()
+    keep_clear: tuple[PlanKeepClear, ...] = Field(default=(), exclude_if=lambda rules: not rules)
     reach: PlanReach | None = None
     materials: tuple[str, ...] = Field(default=(), description="ids of the paired materials that fit its assets")
     lighting: tuple[str, ...] = Field(default=(), description="ids of the lightings valid with it")

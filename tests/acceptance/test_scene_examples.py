@@ -1,4 +1,4 @@
-"""Every program of `examples/scenes` over packages made from the meshes that PyBullet brings."""
+"""Every program of `examples/scenes` over packages made from the meshes that PyBullet brings, and over mechanisms."""
 
 from __future__ import annotations
 
@@ -17,11 +17,13 @@ from scenec.compile import compile_program
 from scenec.ir.problem import Solved
 from schemas.scene.runtime_plan import RuntimePlan
 from tests.support.plan.draws import draws
+from tests.support.scene.articulated import articulated_library
 from usdio.reread.body import reread_body
 from usdio.reread.scene import reread_scene
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
 INFEASIBLE = {"three_cycle"}
+MECHANISMS = {"open_drawer", "microwave_door", "two_drawers"}
 NAMES = sorted(path.stem for path in EXAMPLES.glob("*.yaml"))
 
 
@@ -30,13 +32,27 @@ def library(scene_packages: Path) -> AssetLibrary:
     return AssetLibrary(scene_packages)
 
 
+@pytest.fixture(scope="module")
+def mechanisms(tmp_path_factory: pytest.TempPathFactory) -> AssetLibrary:
+    return AssetLibrary(articulated_library(tmp_path_factory.mktemp("mechanisms")))
+
+
 def test_there_are_a_dozen():
     assert len(NAMES) >= 12
     assert set(NAMES) > INFEASIBLE
 
 
-@pytest.mark.parametrize("name", sorted(set(NAMES) - INFEASIBLE))
+@pytest.mark.parametrize("name", sorted(set(NAMES) - INFEASIBLE - MECHANISMS))
 def test_examples_compile_and_stay(name: str, library: AssetLibrary, tmp_path: Path):
+    assert_compiles_and_stays(name, library, tmp_path)
+
+
+@pytest.mark.parametrize("name", sorted(MECHANISMS))
+def test_examples_with_mechanisms_compile_and_stay(name: str, mechanisms: AssetLibrary, tmp_path: Path):
+    assert_compiles_and_stays(name, mechanisms, tmp_path)
+
+
+def assert_compiles_and_stays(name: str, library: AssetLibrary, tmp_path: Path):
     compiled = compile_program(EXAMPLES / f"{name}.yaml", library=library, diversity=0.1)
     assert compiled.report.verdict == "compiled", compiled.report.diagnostics
     assert compiled.plan is not None

@@ -37,12 +37,14 @@ def read_stage(
     load_texture: LoadTexture,
     visited: set[Path] | None = None,
     missing: set[str] | None = None,
+    mechanism: bool = True,
 ) -> Outcome[Model]:
     """The model in a USD, USDA, USDC or USDZ file, world transforms applied, in the stage's own units and axes.
 
     `visited` collects the files that references resolve to, `missing` the paths below the root that do not exist.
     `load_texture(data, name, *, where)` decodes image bytes and returns the texture or None, with findings. No file
     outside `root` is opened and nothing is printed. Variants stay as selected; values are those of the first sample.
+    Without `mechanism` joints are not read: what the stage shows, of however many objects, is one rigid model.
 
     Raises InvalidInput as `check_layers`, `read_mesh`, `find_gprims` and `meters_per_unit` do, and
     `asset/missing-dependency` (without an absent layer no geometry is left), `asset/no-faces`, `asset/empty-geometry`,
@@ -51,7 +53,7 @@ def read_stage(
     with quiet():
         try:
             layers = check_layers(path, root)
-            outcome = _read(layers, load_texture)
+            outcome = _read(layers, load_texture, mechanism)
             location = layers.location_of(layers.root)
             if visited is not None:
                 visited |= location.visited
@@ -67,7 +69,7 @@ def read_stage(
     raise InvalidInput(finding("asset/schema-error", headline, where=where, value=reason[:300]))
 
 
-def _read(layers: PinnedLayers, load_texture: LoadTexture) -> Outcome[Model]:
+def _read(layers: PinnedLayers, load_texture: LoadTexture, with_mechanism: bool) -> Outcome[Model]:
     stage = Usd.Stage.Open(layers.root, Usd.Stage.LoadAll)
     where = layers.location_of(layers.root).where()
     composed = _composition(stage, layers)
@@ -79,7 +81,7 @@ def _read(layers: PinnedLayers, load_texture: LoadTexture) -> Outcome[Model]:
     if not shapes.value:
         raise InvalidInput(_no_surface(gprims, composed.diagnostics, where))
     masses, contacts = stated_physics(stage, start.value, shapes.value, where)
-    moving = stage_mechanism(stage, shapes.value, where)
+    moving = stage_mechanism(stage, shapes.value, where) if with_mechanism else None
     meshes, mechanism, slides = _linked(shapes.value, moving)
     model = Model(
         meshes=meshes,

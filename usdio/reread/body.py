@@ -4,6 +4,7 @@ Input is the main USD file; output is in the asset frame, metres and kilograms."
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.mechanism import Mechanism
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 from usdio.contact_material import bound_contact_material
-from usdio.reread.mechanism import held_at_rest, reread_mechanism
+from usdio.reread.mechanism import held, reread_mechanism
 from usdio.stage import open_stage
 
 _AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
@@ -48,17 +49,45 @@ class RereadPackage:
 def reread_package(main_file: Path) -> RereadPackage:
     """All that `reread_body`, `reread_shape_contacts` and `reread_visual` give, from one opening. Raises as they do."""
     stage = open_stage(main_file)
-    prims = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
-    if len(prims) < 2:
+    if len(_bodies(stage)) < 2:
         prim = _single_body(stage, main_file)
         return RereadPackage(body_of(prim, main_file), _shape_contacts(prim, main_file), *_visual(stage))
+    linkage, ordered = _linkage(stage, main_file)
+    contacts = tuple(c for prim in ordered for c in _shape_contacts(prim, main_file))
+    return RereadPackage(linkage.held(), contacts, *_visual(stage), linkage.mechanism, linkage.links)
+
+
+@dataclass(frozen=True)
+class Linkage:
+    """An articulated package: `mechanism` in the asset frame, `links` its bodies in their own frames, in its order."""
+
+    name: str
+    mechanism: Mechanism
+    links: tuple[RigidBody, ...]
+
+    def held(self, positions: Mapping[str, float] | None = None) -> RigidBody:
+        """The object as one rigid body in the asset frame, its joints held at `positions` (m, rad), else at rest."""
+        return held(self.name, self.links, self.mechanism, positions)
+
+
+def reread_linkage(main_file: Path) -> Linkage:
+    """Links and joints of an articulated package. Raises InvalidInput (`asset/package-invalid`) as `reread_body`."""
+    stage = open_stage(main_file)  # Held: prims end with their stage.
+    return _linkage(stage, main_file)[0]
+
+
+def _linkage(stage: Usd.Stage, main_file: Path) -> tuple[Linkage, list[Usd.Prim]]:
+    # The linkage of a stage, and the prims of its links in the same order.
+    prims = _bodies(stage)
     mechanism = reread_mechanism(stage, prims, main_file)
     by_name = {prim.GetName(): prim for prim in prims}
     ordered = [by_name[link.name] for link in mechanism.links]
     links = tuple(body_of(prim, main_file) for prim in ordered)
-    contacts = tuple(c for prim in ordered for c in _shape_contacts(prim, main_file))
-    whole = held_at_rest(stage.GetDefaultPrim().GetName(), links, mechanism)
-    return RereadPackage(whole, contacts, *_visual(stage), mechanism, links)
+    return Linkage(stage.GetDefaultPrim().GetName(), mechanism, links), ordered
+
+
+def _bodies(stage: Usd.Stage) -> list[Usd.Prim]:
+    return [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
 
 
 def reread_body(main_file: Path) -> RigidBody:
@@ -93,7 +122,7 @@ def reread_visual(main_file: Path) -> tuple[FloatArray, IntArray]:
 
 
 def _single_body(stage: Usd.Stage, main_file: Path) -> Usd.Prim:
-    bodies = [prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+    bodies = _bodies(stage)
     if len(bodies) != 1:
         raise _invalid(f"{len(bodies)} rigid bodies instead of one", main_file)
     return bodies[0]

@@ -2,25 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics
 
+from geom.convex.placement import moved_shape
 from geom.convex.scaling import scaled_body
+from geom.mass.inertia import combine, moved
 from schemas.arrays import FloatArray
 from schemas.physics import MassProperties, RigidBody
 from usdio.read.gprim_placement import column_matrix
-from usdio.reread.body import body_of, contact_of, shapes_of
+from usdio.reread.body import body_of, contact_of, pose_in, shapes_of
 from usdio.stage import open_stage
 
+BACKGROUND = "/World/Background"
 _STATIC_MASS = MassProperties(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 @dataclass(frozen=True)
 class SceneBody:
-    """One body of a scene: its shapes in its own frame at true size, and X_WA (4, 4) of that frame in the world."""
+    """One body of a scene: its shapes in its own frame at true size, and X_WA (4, 4) of that frame in the world.
+
+    An articulated object is one body, its links held where the scene has them.
+    """
 
     name: str
     body: RigidBody
@@ -34,7 +41,7 @@ def reread_scene(file: Path) -> tuple[SceneBody, ...]:
     Names are those of the program. Raises InvalidInput (`asset/package-invalid`) as `reread_body` does.
     """
     stage = open_stage(file)
-    prims = [prim for prim in (stage.GetPrimAtPath("/World/Background"),) if prim]
+    prims = [prim for prim in (stage.GetPrimAtPath(BACKGROUND),) if prim]
     prims += stage.GetPrimAtPath("/World/Objects").GetChildren()
     return tuple(_scene_body(prim, file) for prim in prims)
 
@@ -43,9 +50,26 @@ def _scene_body(prim: Usd.Prim, file: Path) -> SceneBody:
     X_WA = column_matrix(UsdGeom.XformCache().GetLocalToWorldTransform(prim))
     scale = float(np.cbrt(np.linalg.det(X_WA[:3, :3])))
     X_WA[:3, :3] /= scale
+    links = [link for link in prim.GetChildren() if link.HasAPI(UsdPhysics.RigidBodyAPI)]
+    if links:
+        held = _held(prim, links, file)
+        return SceneBody(held.name, scaled_body(held, scale), X_WA, prim.GetPath() != BACKGROUND)
     enabled = prim.HasAPI(UsdPhysics.RigidBodyAPI) and UsdPhysics.RigidBodyAPI(prim).GetRigidBodyEnabledAttr().Get()
-    name = prim.GetCustomDataByKey("mana:id") or prim.GetName()
+    name = _name(prim)
     body = (
         body_of(prim, file) if enabled else RigidBody(name, shapes_of(prim, file), _STATIC_MASS, contact_of(prim, file))
     )
-    return SceneBody(str(name), scaled_body(body, scale), X_WA, bool(enabled))
+    return SceneBody(name, scaled_body(body, scale), X_WA, bool(enabled))
+
+
+def _held(prim: Usd.Prim, links: Sequence[Usd.Prim], file: Path) -> RigidBody:
+    """The links as one rigid body in the frame of their parent; contact is that of the heaviest link."""
+    bodies = [(body_of(link, file), pose_in(link, prim)) for link in links]
+    shapes = [moved_shape(shape, X_AL) for body, X_AL in bodies for shape in body.shapes]
+    mass = combine([moved(body.mass, X_AL) for body, X_AL in bodies])
+    heaviest = max((body for body, _ in bodies), key=lambda body: body.mass.mass_kg)
+    return RigidBody(_name(prim), tuple(shapes), mass, heaviest.contact)
+
+
+def _name(prim: Usd.Prim) -> str:
+    return str(prim.GetCustomDataByKey("mana:id") or prim.GetName())

@@ -10,11 +10,16 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdSemantics
 
+from geom.mechanism_pose import link_frames
+from geom.pose import matrix_of, pose, quat_of
+from schemas.arrays import FloatArray
 from schemas.identifiers import unique_identifiers
 from schemas.physical_constants import GRAVITY_MPS2
 from schemas.scene.compiled import CompiledScene, PlacedObject
+from usdio.reread.body import reread_linkage
 from usdio.write.package import USD_FOLDER
 from usdio.write.physics import author_contact_material
 from usdio.write.primitive import CONTACT, DENSITY_KGM3, author_primitive
@@ -23,6 +28,7 @@ PACKAGES = "packages"
 LAMP_INTENSITY = 1200.0
 _ROOT = Sdf.Path("/World")
 _PREVIEWS = "previews"
+_SAME_M = 1e-9  # m, and of a rotation matrix: the pose of the package itself
 
 
 def write_scene(scene: CompiledScene, library: Path | None, file: Path) -> Path:
@@ -101,6 +107,8 @@ def author_object(
     if item.primitive is not None:
         author_primitive(stage, path, item.primitive, item.scale, item.mass_kg, contact, moves=moves)
         Usd.ModelAPI(prim).SetKind(Kind.Tokens.component)
+    elif item.joints and item.package is not None:
+        author_joint_state(stage, path, item, main_file(folder, item.package), moves=moves)
     elif item.package is not None:
         _adapt_body(prim, item, main_file(folder, item.package), moves=moves)
     form = UsdGeom.Xformable(prim)
@@ -131,6 +139,41 @@ def _adapt_body(prim: Usd.Prim, item: PlacedObject, main: Path, *, moves: bool) 
         UsdPhysics.RigidBodyAPI.Apply(prim).CreateRigidBodyEnabledAttr(False)
     elif item.scale != 1.0:
         author_scaled_mass(prim, main, item.scale)
+
+
+def author_joint_state(stage: Usd.Stage, path: Sdf.Path, item: PlacedObject, main: Path, *, moves: bool) -> None:
+    """Poses of the links of an articulated object in its joint state, over those of its package, where they differ.
+
+    Simulators take the positions of joints from the poses of their bodies. `mana:joints` of the object names them (m,
+    rad). An object that does not move has its root link held in the world by a fixed joint; its other links are free.
+    """
+    linkage = reread_linkage(main)
+    frames = link_frames(linkage.mechanism, item.joints)
+    for link in linkage.mechanism.links:
+        X_AL = frames[link.name]
+        if not np.allclose(X_AL, pose(None, link.origin), atol=_SAME_M):
+            _author_pose(stage, path.AppendChild(link.name), X_AL)
+    if not moves:
+        root = linkage.mechanism.root
+        held = UsdPhysics.FixedJoint.Define(stage, path.AppendChild("HeldInWorld"))
+        held.CreateBody1Rel().SetTargets([path.AppendChild(root.name)])
+        p_WL = matrix_of(np.array(item.quat_wxyz)) @ root.origin + np.array(item.position_m)
+        held.CreateLocalPos0Attr(Gf.Vec3f(*(float(v) for v in p_WL)))
+        held.CreateLocalRot0Attr(Gf.Quatf(*item.quat_wxyz))
+        held.CreateLocalPos1Attr(Gf.Vec3f(0.0))
+        held.CreateLocalRot1Attr(Gf.Quatf(1.0))
+    prim = stage.GetPrimAtPath(path)
+    for joint in sorted(item.joints):
+        prim.SetCustomDataByKey(f"mana:joints:{joint}", item.joints[joint])
+
+
+def _author_pose(stage: Usd.Stage, path: Sdf.Path, X_AL: FloatArray) -> None:
+    """The pose of a link in the frame of its object, as an opinion over the package."""
+    form = UsdGeom.Xform.Define(stage, path)
+    form.ClearXformOpOrder()
+    form.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Vec3d(*(float(v) for v in X_AL[:3, 3])))
+    form.AddOrientOp(UsdGeom.XformOp.PrecisionDouble).Set(Gf.Quatd(*(float(v) for v in quat_of(X_AL[:3, :3]))))
+    stage.GetRootLayer().GetPrimAtPath(path).specifier = Sdf.SpecifierOver
 
 
 def author_scaled_mass(prim: Usd.Prim, main: Path, scale: float) -> None:

@@ -147,13 +147,15 @@ def test_every_combination_of_variants_is_a_problem(problems: dict[str, tuple[Pr
 
 def test_the_programs_of_the_reference_page_are_sound(tmp_path: Path, library: AssetLibrary):
     page = (Path(__file__).parents[3] / "docs" / "reference" / "scene-language.md").read_text()
-    whole, anchor, overlay = (part.split("```")[0] for part in page.split("```yaml\n")[1:])
+    whole, anchor, joints, overlay = (part.split("```")[0] for part in page.split("```yaml\n")[1:])
     base = whole.replace("anchors:\n", anchor)
     base = base.replace("  - {id: cup", "  - {id: old, asset: {type: sphere, radius_m: 0.02}}\n  - {id: cup")
     old = "    old: {object: old, placement: {type: surface, surface: half}}\n"
     (tmp_path / "base.yaml").write_text(base.replace("relations:\n", old + "relations:\n"))
     (tmp_path / "overlay.yaml").write_text(overlay)
-    for name, nodes in (("base", ["tray", "cup", "spare", "old"]), ("overlay", ["tray", "cup", "spare"])):
+    (tmp_path / "joints.yaml").write_text(joints)
+    nodes_of = {"base": ["tray", "cup", "spare", "old"], "overlay": ["tray", "cup", "spare"]}
+    for name, nodes in (nodes_of | {"joints": ["cabinet", "oven", "sock"]}).items():
         read = read_program(tmp_path / f"{name}.yaml")
         assert read.program is not None, read.diagnostics
         lowered = lower(read.program, library, read.spans)

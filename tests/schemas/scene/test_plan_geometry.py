@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from shapely import Polygon, box
 from schemas.scene.geometry import (
     Domain,
     FixedPose,
+    KeepClear,
     KeepOutVolume,
     PlaceLayer,
     Prism,
@@ -21,11 +23,13 @@ from schemas.scene.geometry import (
 )
 from schemas.scene.plan_geometry import (
     domain_of,
+    keep_clear_of,
     keep_out_of,
     place_of,
     reach_of,
     relation_of,
     stance_of,
+    written_keep_clear,
     written_keep_out,
     written_place,
     written_reach,
@@ -46,7 +50,7 @@ DOMAINS = (
     Domain(fixed_poses=(FixedPose(0.1, 0.2, 0.3, 0.4, stance=1), FixedPose(0.0, 0.0, 0.0, -1.0))),
 )
 DOCUMENTS = {"PlanStance", "PlanPolygon", "PlanLayer", "PlanPlace", "PlanSpot", "PlanThing", "PlanRelation",
-             "PlanKeepOut", "PlanReach"}  # fmt: skip
+             "PlanKeepOut", "PlanKeepClear", "PlanReach"}  # fmt: skip
 
 
 def same(one: object, two: object) -> bool:
@@ -86,6 +90,16 @@ def test_keep_outs_come_back_and_an_open_one_is_a_kilometre_high() -> None:
     assert same(keep_out, keep_out_of(written_keep_out(keep_out, 3), "background", SHELF))
     open_sky = KeepOutVolume("background", SHELF, box(0.0, 0.0, 0.1, 0.1), np.inf)
     assert written_keep_out(open_sky, 3).height_m == 1000.0
+
+
+def test_swept_spaces_and_the_links_of_places_come_back() -> None:
+    layers = (PlaceLayer(0.0, 0.2, HOLED), PlaceLayer(0.1, 0.3, box(0.0, 0.0, 0.1, 0.1)))
+    space = KeepClear("cabinet", "door", ("door", "handle"), layers)
+    assert same(space, keep_clear_of(written_keep_clear(space)))
+    place = replace(SHELF, link="drawer_1")
+    assert same(place, place_of(written_place(place)))
+    assert "link" in written_place(place).model_dump()
+    assert "link" not in written_place(SHELF).model_dump()  # plans without joints are what they were
 
 
 def test_no_other_module_makes_these_documents() -> None:

@@ -29,11 +29,21 @@ ON_TRAY = (
     .replace("size_m: [0.1, 0.1, 0.1]}}, {id: b", "size_m: [0.3, 0.3, 0.02]}}, {id: b")
 )
 
+ON_LID = SOUND.replace("anchors: {", "anchors: {lid: {object: a, surface: lid/top}, ").replace(
+    f"b: {{object: b, placement: {ON}", "b: {object: b, placement: {type: surface, surface: lid}"
+)
+
 
 def pool(*assets: str, of: str = "a", text: str = SOUND) -> str:
     """The program with a pool for an object."""
     candidates = f"[{{id: p, assets: [{', '.join(assets)}]}}]"
     return text.replace(f"id: {of}, asset: {BOX}", f"id: {of}, asset: {{type: pool, candidates: {candidates}}}")
+
+
+def jointed(asset: str, joints: str, text: str = SOUND) -> str:
+    """The program with an articulated asset as `a`, in a joint state."""
+    text = text.replace(f"id: a, asset: {BOX}", f"id: a, asset: {{type: fixed, id: {asset}}}")
+    return text.replace("a: {object: a, ", f"a: {{object: a, joints: {joints}, ")
 
 
 def deep(levels: int) -> str:
@@ -101,6 +111,15 @@ BOUND: dict[str, Text] = {
     "scene/round-floor": SOUND.replace(f"id: a, asset: {BOX}", "id: a, asset: {type: fixed, id: bowl}")
     .replace("anchors: {", "anchors: {inside: {object: a, volume: auto}, ")
     .replace(f"b: {{object: b, placement: {ON}", "b: {object: b, placement: {type: volume, volume: inside}"),
+    "scene/unknown-joint": jointed("drawer_unit", "{drawer_3: 0.1}"),
+    "scene/joint-range": jointed("drawer_unit", "{drawer_1: 0.4}"),
+    "scene/joint-follows": jointed("chest", "{latch: 0.01}"),
+    "scene/joint-loop": jointed("four_bar", "{left: 0.5}"),
+    "scene/scaled-joints": jointed("drawer_unit", "{drawer_1: 0.1}").replace(
+        "drawer_unit}", "drawer_unit}, scale: 0.5"
+    ),
+    "scene/leaning-anchor": jointed("chest", "{lid: 1.0}", ON_LID),
+    "scene/no-swept-volume": jointed("chest", "{}") + "keep_clear: [{object: a, joint: lid}]\n",
     "scene/union-footprints": pool(*CUBES, of="b", text=pool(*CUBES)),
 }
 

@@ -9,6 +9,7 @@ from typing import Any
 from jobs.cache import file_sha256
 from schemas.physics import CollisionShape
 from tests.support import package_samples as samples
+from tests.support.scene.articulated import articulated_library
 from usdio.write.package import write_package
 
 RECORD = Path(__file__).parents[2] / "data" / "record.json"
@@ -64,7 +65,8 @@ def open_bin(library: Path, asset_id: str = "bin", floor_m: float | None = None)
 
 
 def library(folder: Path, cubes: int = 17) -> Path:
-    """All of them: `cube`, `cube_0` and on, `rod`, `bin`, `bowl` (round), `doubtful` (in review), `torn`."""
+    """All of them: `cube`, `cube_0` and on, `rod`, `bin`, `bowl` (round), `doubtful` (in review), `torn`, and the
+    articulated ones."""
     cube(folder)
     cube(folder, "doubtful", outcome="review")
     rod(folder)
@@ -72,6 +74,7 @@ def library(folder: Path, cubes: int = 17) -> Path:
         cube(folder, f"cube_{i}")
     open_bin(folder)
     open_bin(folder, "bowl", floor_m=0.02)
+    articulated_library(folder)
     (folder / "torn").mkdir()
     (folder / "torn" / "record.json").write_text("{")
     return folder
