@@ -1,4 +1,4 @@
-"""Data of the exercise of joints: an articulated object with a fixed base, what is tried on each joint, what came of it.
+"""Data of the exercise of joints: an articulated object on a fixed base, what is tried on each joint, the outcome.
 
 Everything is in the frame of the object (metres, kilograms, z up) at its rest state; positions of joints in rad or m,
 as the mechanism counts them (`schemas.mechanism`). The exercise itself is `sim.port.Simulator.exercise_joints`.

@@ -4,7 +4,7 @@ Positions of the engine's joints are 0 at rest. Everything is simulated at `scal
 (`sim.port.model_scale`): lengths x s, times x sqrt(s), masses x s^3, inertias x s^5.
 
 Traps of PyBullet 3.2.7, beside those that `sim.bullet.simulator` lists, each covered by a test:
-- joint damping is integrated explicitly and blows up where damping x step exceeds the inertia: `passive_effort` is used;
+- joint damping is integrated explicitly and blows up where damping x step exceeds the inertia: it is left at 0;
 - with self-collision on, links that a joint connects collide too: pairs are filtered one by one;
 - links are numbered depth first, whatever order they are given in;
 - a joint turns about the origin of the frame of its child: links are built in frames that lie on their axes.
@@ -102,15 +102,6 @@ class BuiltArticulation:
         a, b = self.index[first], self.index[second]
         points = pybullet.getClosestPoints(self.handle, self.handle, 0.0, a, b, physicsClientId=self.client)
         return max((-point[8] for point in points), default=0.0) / self.scale
-
-    def contact_depths(self) -> dict[frozenset[str], float]:
-        """Depth (true m) of the engine's contacts between links, by pair."""
-        names = {number: name for name, number in self.index.items()}
-        depths: dict[frozenset[str], float] = {}
-        for point in pybullet.getContactPoints(self.handle, self.handle, physicsClientId=self.client):
-            pair = frozenset((names[point[3]], names[point[4]]))
-            depths[pair] = max(depths.get(pair, 0.0), -point[8] / self.scale)
-        return depths
 
     def pairs(self) -> Iterator[tuple[str, str, bool]]:
         """All pairs of links that have shapes, and whether they collide."""
@@ -217,9 +208,7 @@ def _set_dynamics(built: BuiltArticulation, moments: list[FloatArray]) -> None:
             limits = {"jointLowerLimit": low, "jointUpperLimit": high, "physicsClientId": client}
             pybullet.changeDynamics(handle, number, **limits)
         if joint.kind != "ball":
-            pybullet.setJointMotorControl2(
-                handle, number, pybullet.VELOCITY_CONTROL, force=0.0, physicsClientId=client
-            )
+            pybullet.setJointMotorControl2(handle, number, pybullet.VELOCITY_CONTROL, force=0.0, physicsClientId=client)
     for first, second, collides in built.pairs():
         a, b = built.index[first], built.index[second]
         pybullet.setCollisionFilterPair(handle, handle, a, b, int(collides), physicsClientId=client)

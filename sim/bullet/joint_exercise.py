@@ -51,6 +51,7 @@ BEYOND = 0.03  # of the range: how far past an end a drive's target runs; furthe
 PATIENCE = 1.5  # times the seconds of a stroke, until a push counts as blocked
 SETTLING_S = 0.15  # at each end, in which a slam rings out
 ARRIVED = 0.002  # of the range: a push is over
+PRESSING = 5.0  # times what stops the joint from its speed in one step
 LOOK_STEPS = 16  # between two looks at the poses of links
 FINE_STEP_S = 0.5 * STEP_S  # A limit stops a joint within one step: of those that may slam.
 DIVERGED = 100.0  # ranges
@@ -189,7 +190,7 @@ class _Exercise:
         return step_s
 
     def _run(self, actuation: Actuation, pace: Pace) -> tuple[JointRun, FloatArray | None]:
-        motion = _Motion(self, pace, self._reset((actuation, pace) != ("drive", "slow")))
+        motion = _Motion(self, pace, self._reset(fine=pace == "fast"))
         ends = [self.stroke.high, self.stroke.low]
         for end in ends:
             if actuation == "drive":
@@ -289,8 +290,11 @@ class _Motion:
         steps = math.ceil((PATIENCE * abs(end - self.q) / self.rate + self._settling) / self.step_s)
         ringing = math.ceil(self._settling / self.step_s)
         for _ in range(steps):
-            pushing = towards * self.qd < self.rate  # What falls ahead of the hand meets friction alone.
+            arrived = towards * (self.q - end) >= -ARRIVED * self.stroke.span
+            pushing = towards * self.qd <= 1.01 * self.rate  # What falls ahead of the hand meets friction alone.
             effort = max(self.strength - self.stroke.friction, 0.0) if pushing else self.stroke.friction
+            # At the end the hand presses lightly: the engine lets strong motors and limits share the way.
+            effort = min(effort, PRESSING * self._inertia * self.rate / self.step_s) if arrived else effort
             pybullet.setJointMotorControl2(
                 self.built.handle,
                 self.exercise.number,
@@ -304,7 +308,7 @@ class _Motion:
             self._follow()
             if not self._step():
                 return
-            ringing -= towards * (self.q - end) >= -ARRIVED * self.stroke.span
+            ringing -= arrived
             if ringing <= 0:
                 return
 
@@ -387,4 +391,3 @@ class _Motion:
         length = float(np.linalg.norm(step))
         if length > 0.0:
             self.axis, self._axis_travel = step / length, abs(self.q)
-

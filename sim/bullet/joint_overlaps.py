@@ -55,5 +55,8 @@ def _parted_by(built: BuiltArticulation, joint: MechanismJoint) -> frozenset[fro
 
     paths = {link.name: set(path(link.name)) for link in mechanism.links}
     return frozenset(
-        frozenset((a, b)) for a in paths for b in paths if a < b and (paths[a] ^ paths[b]) <= moving and paths[a] ^ paths[b]
+        frozenset((a, b))
+        for a in paths
+        for b in paths
+        if a < b and (paths[a] ^ paths[b]) <= moving and paths[a] ^ paths[b]
     )
