@@ -183,5 +183,10 @@ def _joint_evidence(joint: MechanismJoint) -> Evidence[dict[str, Any]]:
         value["source_name"] = joint.source_name
     where = (str(joint.where),) if joint.where is not None else ()
     if joint.limits_inferred:
-        return inferred(value, "joint of the source; it states no limits: the size of the object", 0.3, inputs=where)
+        return inferred(
+            value,
+            "joint of the source; it states no limits: the way that is free, at most the size of the object",
+            0.3,
+            inputs=where,
+        )
     return declared(value, "joint of the source", inputs=where)

@@ -94,6 +94,6 @@ JOINT_CODES: dict[str, CodeInfo] = {
         "warning",
         "The damping of a joint is such that no hand could move it",
         "Numbers per degree read as per radian, or of another unit, turn a door into a wall.",
-        "check the damping in the source; the package holds one that lets the joint come to rest in its own time",
+        "check the damping in the source; the package holds none",
     ),
 }

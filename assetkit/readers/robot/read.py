@@ -13,7 +13,8 @@ from assetkit.readers.robot.shapes import SurfaceReader, shape_name, usable, vis
 from assetkit.readers.source_format import Reader
 from assetkit.sources.source_file import SourceFile
 from formats import read_mjcf, read_urdf
-from formats.mechanism import MechanismReading, read_mechanism, with_slide_limits
+from formats.mechanism import MechanismReading, read_mechanism
+from formats.missing_limits import with_missing_limits
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.evidence import declared
 from schemas.files.references import expected_path
@@ -49,10 +50,9 @@ def read_robot(source: SourceFile, mesh_readers: Mapping[str, Reader]) -> Outcom
     meshes = _meshes(description, reading, surfaces)
     surfaces.finish()
     masses, mass_repairs = stated_masses(description, reading.link_of, reading.X_ML, meshes)
-    points = np.concatenate([mesh.points for mesh in meshes])
-    mechanism, slide_repairs = reading.mechanism, tuple[Repair, ...]()
+    mechanism, joint_repairs = reading.mechanism, reading.repairs
     if mechanism is not None:
-        mechanism, slide_repairs = with_slide_limits(mechanism, float(np.linalg.norm(np.ptp(points, axis=0))))
+        mechanism, joint_repairs = with_missing_limits(mechanism, meshes, reading.repairs)
     name = description.format.upper()
     model = Model(
         meshes=meshes,
@@ -65,7 +65,7 @@ def read_robot(source: SourceFile, mesh_readers: Mapping[str, Reader]) -> Outcom
         masses=masses,
         mechanism=mechanism,
     )
-    repairs = (*surfaces.repairs, *_name_repairs(description), *reading.repairs, *mass_repairs, *slide_repairs)
+    repairs = (*surfaces.repairs, *_name_repairs(description), *joint_repairs, *mass_repairs)
     return Outcome(model, (*_notes(description), *reading.notes, *surfaces.diagnostics), repairs)
 
 
