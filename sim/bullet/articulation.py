@@ -6,6 +6,7 @@ Positions of the engine's joints are 0 at rest. Everything is simulated at `scal
 Traps of PyBullet 3.2.7, beside those that `sim.bullet.simulator` lists, each covered by a test:
 - joint damping is integrated explicitly and blows up where damping x step exceeds the inertia: it is left at 0;
 - with self-collision on, links that a joint connects collide too: pairs are filtered one by one;
+- a limit holds with at most 100 N s per step unless `jointLimitForce` says otherwise: heavy links run through;
 - links are numbered depth first, whatever order they are given in;
 - a joint turns about the origin of the frame of its child: links are built in frames that lie on their axes.
 """
@@ -205,7 +206,12 @@ def _set_dynamics(built: BuiltArticulation, moments: list[FloatArray]) -> None:
         number = built.joint_index(joint)
         if joint.limits is not None and joint.kind != "ball":
             low, high = ((limit - joint.rest) * built.unit(joint) for limit in joint.limits)
-            limits = {"jointLowerLimit": low, "jointUpperLimit": high, "physicsClientId": client}
+            limits = {
+                "jointLowerLimit": low,
+                "jointUpperLimit": high,
+                "jointLimitForce": 1e12,
+                "physicsClientId": client,
+            }
             pybullet.changeDynamics(handle, number, **limits)
         if joint.kind != "ball":
             pybullet.setJointMotorControl2(handle, number, pybullet.VELOCITY_CONTROL, force=0.0, physicsClientId=client)

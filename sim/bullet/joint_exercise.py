@@ -48,8 +48,9 @@ from sim.joint_exercise import (
 FAST_MPS, FAST_LEAST_S, FAST_MOST_S, SLOW_S = 2.0, 0.4, 1.0, 2.0
 STRENGTH = 3.0  # of motor and hand, over what the stroke takes
 BEYOND = 0.03  # of the range: how far past an end a drive's target runs; further, and motor and limit share the way
+GAIN = 40.0  # of the position motor, per stroke: an error of 2 % of the range is braked with what strength there is
 PATIENCE = 1.5  # times the seconds of a stroke, until a push counts as blocked
-SETTLING_S = 0.15  # at each end, in which a slam rings out
+SETTLING_S, SETTLING_SHARE = 0.15, 0.1  # at each end, seconds or of a stroke, in which a slam rings out
 ARRIVED = 0.002  # of the range: a push is over
 PRESSING = 5.0  # times what stops the joint from its speed in one step
 LOOK_STEPS = 16  # between two looks at the poses of links
@@ -190,7 +191,7 @@ class _Exercise:
         return step_s
 
     def _run(self, actuation: Actuation, pace: Pace) -> tuple[JointRun, FloatArray | None]:
-        motion = _Motion(self, pace, self._reset(fine=pace == "fast"))
+        motion = _Motion(self, pace, self._reset(fine=(actuation, pace) != ("drive", "slow")))
         ends = [self.stroke.high, self.stroke.low]
         for end in ends:
             if actuation == "drive":
@@ -263,7 +264,7 @@ class _Motion:
         self._inertia = max(self.built.effective_inertia(joint), 1e-12)
         self.strength = self.stroke.strength(self.rate, self._inertia)
         self._parent, self._child = (self.built.link_pose(name) for name in (joint.parent, joint.child))
-        self._settling = SETTLING_S * exercise.root
+        self._settling = max(SETTLING_S * exercise.root, SETTLING_SHARE * self.seconds)
         self._steps = 0
 
     def hold(self, seconds: float) -> None:
@@ -293,8 +294,7 @@ class _Motion:
             arrived = towards * (self.q - end) >= -ARRIVED * self.stroke.span
             pushing = towards * self.qd <= 1.01 * self.rate  # What falls ahead of the hand meets friction alone.
             effort = max(self.strength - self.stroke.friction, 0.0) if pushing else self.stroke.friction
-            # At the end the hand presses lightly: the engine lets strong motors and limits share the way.
-            effort = min(effort, PRESSING * self._inertia * self.rate / self.step_s) if arrived else effort
+            effort = min(effort, self._light()) if arrived else effort
             pybullet.setJointMotorControl2(
                 self.built.handle,
                 self.exercise.number,
@@ -312,8 +312,16 @@ class _Motion:
             if ringing <= 0:
                 return
 
+    def _light(self) -> float:
+        """The effort that presses against an end: the engine lets strong motors and limits share the way."""
+        return min(PRESSING * self._inertia * self.rate / self.step_s, self.strength)
+
     def _motor(self, position: float, velocity: float) -> None:
-        self._set_motor(self.exercise.number, position, velocity, self.strength)
+        pressing = self.stroke.joint.limits is not None and not self.stroke.low <= position <= self.stroke.high
+        there = not self.stroke.low < self.q < self.stroke.high
+        self._set_motor(
+            self.exercise.number, position, velocity, self._light() if pressing and there else self.strength
+        )
         self._follow(position, velocity)
 
     def _set_motor(self, number: int, position: float, velocity: float, effort: float) -> None:
@@ -323,7 +331,7 @@ class _Motion:
             pybullet.POSITION_CONTROL,
             targetPosition=position,
             targetVelocity=velocity,
-            positionGain=0.2,
+            positionGain=min(GAIN * self.step_s / self.seconds, 1.0),
             velocityGain=1.0,
             force=effort,
             physicsClientId=self.built.client,

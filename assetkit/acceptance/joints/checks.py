@@ -174,9 +174,10 @@ def _in_the_way(subject: JointSubject, furthest: float, end: float) -> LinkOverl
 
 
 def _overrun(subject: JointSubject) -> JudgedJoint:
-    if subject.joint.limits is None:
+    """How far beyond a declared limit it went, driven and pushed."""
+    if subject.declared.limits is None:
         return JudgedJoint((), ())
-    low, high = subject.joint.limits
+    low, high = subject.declared.limits
     bound = subject.tolerance(POLICY.overrun_share)
     over = max(max(low - run.lowest, run.highest - high) - run.step for run in subject.exercise.runs)
     check = subject.check("overrun", max(over, 0.0), bound, subject.unit)

@@ -60,7 +60,7 @@ def _worst(mechanism: Mechanism, twin: RobotDescription) -> tuple[float, float, 
         states += [(joint.name, joint_positions(mechanism, {joint.name: end})) for end in _ends(joint)]
     worst_m = worst_deg = 0.0
     at = "nothing"
-    known = {joint.name for joint in twin.joints}
+    known = {joint.name for joint in mechanism.tree if joint.kind != "ball"} & {joint.name for joint in twin.joints}
     for name, positions in states:
         X_RL = link_poses(twin, {n: q for n, q in positions.items() if n in known})
         X_AL = link_frames(mechanism, positions)
@@ -71,7 +71,7 @@ def _worst(mechanism: Mechanism, twin: RobotDescription) -> tuple[float, float, 
             apart = inverse(X_AL[link.name]) @ inverse(X_RA) @ X_RL[link.name]
             turned = float(np.degrees(angle_between(quat_of(apart[:3, :3]), np.array([1.0, 0.0, 0.0, 0.0]))))
             moved = float(np.linalg.norm(apart[:3, 3]))
-            if moved / POLICY.twin_m > worst_m / POLICY.twin_m or turned > worst_deg:
+            if moved > worst_m or turned > worst_deg:
                 at = name or at
             worst_m, worst_deg = max(worst_m, moved), max(worst_deg, turned)
     return worst_m, worst_deg, at
