@@ -44,6 +44,7 @@ def read_robot(source: SourceFile, mesh_readers: Mapping[str, Reader]) -> Outcom
         headline = f"the description has {count} shapes"
         raise InvalidInput(finding("asset/resource-limit", headline, where=where, value=count, bound=MOST_SHAPES_READ))
     if not any(shapes.values()):
+        _raise_problem(description)
         raise InvalidInput(finding("asset/empty-geometry", "no link has a shape", where=where))
     reading = read_mechanism(description, [name for name, visible in shapes.items() if visible])
     surfaces = SurfaceReader(source, mesh_readers, mesh_materials_count=description.format == "urdf")
@@ -98,6 +99,13 @@ def _require_whole(description: RobotDescription) -> None:
             headline = f"<{element.tag}> makes bodies that only MuJoCo can expand"
             where = element.source.location
             raise InvalidInput(finding("robot/unsupported-shape", headline, where=where, value=element.tag))
+
+
+def _raise_problem(description: RobotDescription) -> None:
+    """Raises InvalidInput for the first mesh that cannot be read, if there is one."""
+    meshes = [shape.mesh for link in description.links for shape in link.shapes if shape.mesh is not None]
+    for problem in (mesh.problem for mesh in meshes if mesh.problem is not None):
+        raise InvalidInput(problem.model_copy(update={"severity": Severity.ERROR}))
 
 
 def _notes(description: RobotDescription) -> list[Diagnostic]:
