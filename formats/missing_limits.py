@@ -46,8 +46,8 @@ def with_missing_limits(
             answers[joint.source_name] = _repair(name, joint, limits)
             joint = replace(joint, kind="prismatic" if slides else "revolute", limits=limits, limits_inferred=True)
         joints.append(joint)
-    kept = [r for r in repairs if r.name != FREE_HINGE or str(r.before.get("joint")) not in answers]
-    return replace(mechanism, joints=tuple(joints)), (*kept, *answers.values())
+    remaining = [r for r in repairs if r.name != FREE_HINGE or str(r.before.get("joint")) not in answers]
+    return replace(mechanism, joints=tuple(joints)), (*remaining, *answers.values())
 
 
 def _limits(

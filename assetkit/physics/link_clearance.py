@@ -29,7 +29,7 @@ OVERLAP_SHARE = 0.002  # of the smaller link's diagonal: deeper overlaps are mea
 GAP_SHARE = 1e-4  # of the smaller link's diagonal, left between shapes that were cut
 SCRAPE_SHARE = 0.01  # of the smaller link's diagonal: what fitted hulls are off by (`gate.rules.joint.links_overlap`)
 SCRAPE_POSITIONS = 9  # along the range of each joint
-LEAST_SHARE = 1e-6  # of the smaller link's diagonal: single precision of the files
+ROUNDING_SHARE = 1e-6  # of the smaller link's diagonal: single precision of the files
 MAX_CORNERS = 64  # of a hull, as PhysX takes
 CODE = "asset/colliders-trimmed"
 
@@ -57,12 +57,12 @@ def clear_links(links: Shapes, mechanism: Mechanism) -> Clearance:
     for first, second in combinations(shapes, 2):
         size = min(_diagonal(shapes[first]), _diagonal(shapes[second]))
         depth = _deepest(shapes[first], shapes[second])
-        if depth <= LEAST_SHARE * size:
+        if depth <= ROUNDING_SHARE * size:
             continue
         cut = None
         if depth <= OVERLAP_SHARE * size:
             cut = _cut_pair(shapes[first], shapes[second], GAP_SHARE * size)
-        if cut is None or LEAST_SHARE * size < _scraping(mechanism, first, second, cut) <= SCRAPE_SHARE * size:
+        if cut is None or ROUNDING_SHARE * size < _scraping(mechanism, first, second, cut) <= SCRAPE_SHARE * size:
             pairs.append((first, second))
             deepest = max(deepest, depth)
             continue

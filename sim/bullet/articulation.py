@@ -36,7 +36,7 @@ from sim.bullet.world import scaled
 from sim.joint_exercise import Articulation
 from sim.port import model_scale
 
-STEP_S = 1.0 / 240.0  # of the engine, at model size
+JOINT_STEP_S = 1.0 / 240.0  # of the engine, at model size
 ITERATIONS = 100  # of the solver: motors, limits and contacts of one chain work against each other
 _KINDS: Mapping[str, int] = {
     "revolute": pybullet.JOINT_REVOLUTE,
@@ -128,7 +128,7 @@ def build(articulation: Articulation, client: int) -> BuiltArticulation:
     bodies = [by_name[name] for name in names]
     index = {name: number - 1 for number, name in enumerate(names)}
     pybullet.setPhysicsEngineParameter(
-        fixedTimeStep=STEP_S,
+        fixedTimeStep=JOINT_STEP_S,
         numSolverIterations=ITERATIONS,
         enableFileCaching=0,
         deterministicOverlappingPairs=1,

@@ -26,7 +26,7 @@ from geom.mechanism_pose import joint_positions
 from schemas.arrays import FloatArray
 from schemas.mechanism import MechanismJoint
 from schemas.physical_constants import GRAVITY_MPS2
-from sim.bullet.articulation import STEP_S, BuiltArticulation, build
+from sim.bullet.articulation import JOINT_STEP_S, BuiltArticulation, build
 from sim.bullet.joint_overlaps import overlaps_along, overlaps_at_rest
 from sim.bullet.probes import FRICTION, build_loose
 from sim.bullet.world import private_client
@@ -54,7 +54,7 @@ SETTLING_S, SETTLING_SHARE = 0.15, 0.1  # at each end, seconds or of a stroke, i
 ARRIVED = 0.002  # of the range: a push is over
 PRESSING = 5.0  # times what stops the joint from its speed in one step
 LOOK_STEPS = 16  # between two looks at the poses of links
-FINE_STEP_S = 0.5 * STEP_S  # A limit stops a joint within one step: of those that may slam.
+FINE_STEP_S = 0.5 * JOINT_STEP_S  # A limit stops a joint within one step: of those that may slam.
 DIVERGED = 100.0  # ranges
 SPEED_SLACK = 3.0  # over the speed of the stroke and of a free fall
 AXIS_ANGLE_RAD = 0.5  # turn after which the axis is read off the poses of links
@@ -168,7 +168,7 @@ class _Exercise:
         built = self.built
         mechanism = built.articulation.mechanism
         # Before the motors: the engine turns their limits of effort into impulses when they are set.
-        step_s = FINE_STEP_S if fine else STEP_S
+        step_s = FINE_STEP_S if fine else JOINT_STEP_S
         pybullet.setTimeStep(step_s, physicsClientId=built.client)
         built.set_positions(joint_positions(mechanism, {}))
         for joint in mechanism.tree:

@@ -19,7 +19,7 @@ from schemas.mechanism import MechanismJoint
 from schemas.physics import RigidBody
 from sim.joint_exercise import Actuation, JointExercise, JointRun, LinkOverlap
 
-MOST = float(np.finfo(np.float32).max)  # stands for figures that are not finite
+NOT_FINITE = float(np.finfo(np.float32).max)  # stands for figures that are not finite
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class JointSubject:
 
     def check(self, figure: str, value: float, bound: float, unit: str) -> Check:
         """A check named `joint.<name>.<figure>` that passes up to the bound."""
-        value = value if np.isfinite(value) else MOST
+        value = value if np.isfinite(value) else NOT_FINITE
         name = f"joint.{self.joint.name}.{figure}"
         return Check(name=name, value=float(value), bound=float(bound), unit=unit, passed=bool(value <= bound))
 
@@ -75,7 +75,7 @@ class JointSubject:
 def judge_joint(subject: JointSubject) -> JudgedJoint:
     """All checks of one joint but those of its contact."""
     if not all(run.finite for run in subject.exercise.runs):
-        return _unstable(subject, MOST)
+        return _unstable(subject, NOT_FINITE)
     parts = [_speeds(subject), _reach(subject), _overrun(subject), _axis(subject), _return(subject)]
     parts += [_penetration(subject), _probe(subject)]
     return joined(parts)
@@ -98,7 +98,7 @@ def judge_contact(
     bound = max(POLICY.contact_m, POLICY.contact_share * diagonal(placed)) if placed else 0.0
     name = f"joint.{joint.name}.contact_to_collider"
     passed = distance_m <= bound
-    check = Check(name=name, value=min(distance_m, MOST), bound=bound, unit="m", passed=passed)
+    check = Check(name=name, value=min(distance_m, NOT_FINITE), bound=bound, unit="m", passed=passed)
     if passed:
         return JudgedJoint((check,), ())
     headline = f"joint '{joint.source_name or joint.name}' is to be moved by its {contact.kind}, which has no collider"
@@ -109,12 +109,12 @@ def judge_contact(
 
 def _unstable(subject: JointSubject, ratio: float) -> JudgedJoint:
     check = subject.check("speed", ratio, 1.0, "of the highest possible")
-    headline = "explodes" if ratio == MOST else f"moves {ratio:.3g} times as fast as anything can move it"
+    headline = "explodes" if ratio == NOT_FINITE else f"moves {ratio:.3g} times as fast as anything can move it"
     return JudgedJoint((check,), (subject.finding("asset/joint-unstable", headline, check),))
 
 
 def _speeds(subject: JointSubject) -> JudgedJoint:
-    ratio = max(run.speed_mps / run.bound_mps if run.bound_mps > 0.0 else MOST for run in subject.exercise.runs)
+    ratio = max(run.speed_mps / run.bound_mps if run.bound_mps > 0.0 else NOT_FINITE for run in subject.exercise.runs)
     if ratio > 1.0:
         return _unstable(subject, ratio)
     return JudgedJoint((subject.check("speed", ratio, 1.0, "of the highest possible"),), ())
@@ -232,9 +232,9 @@ def _penetration(subject: JointSubject) -> JudgedJoint:
     headline = (
         f"drives '{worst.second}' {worst.depth_m:.3g} m into '{worst.first}' at {worst.position:.4g} {subject.unit}"
     )
-    found = subject.finding("asset/joint-penetration", headline, check)
+    passing = subject.finding("asset/joint-penetration", headline, check)
     # A joint without limits makes its turn wherever that leads.
-    return JudgedJoint((check,), (found,), review=subject.joint.limits is not None)
+    return JudgedJoint((check,), (passing,), review=subject.joint.limits is not None)
 
 
 def _probe(subject: JointSubject) -> JudgedJoint:

@@ -11,7 +11,7 @@ import numpy as np
 
 from assetkit.acceptance.body_checks import distance_outside
 from assetkit.acceptance.joints.checks import (
-    MOST,
+    NOT_FINITE,
     JointSubject,
     JudgedJoint,
     joined,
@@ -79,7 +79,7 @@ def joints_in_loops(mechanism: Mechanism) -> frozenset[str]:
 
 
 def _at_rest(overlaps: Sequence[LinkOverlap]) -> JudgedJoint:
-    """Links that collide must be apart at rest; how deep the others reach into each other is told apart."""
+    """Links that collide must be apart at rest; the depth of the others is a figure of its own."""
     colliding = max((o for o in overlaps if o.collides), key=lambda o: o.depth_m, default=None)
     silent = max((o.depth_m for o in overlaps if not o.collides), default=0.0)
     depth = 0.0 if colliding is None else colliding.depth_m
@@ -100,7 +100,7 @@ def _contact(articulation: Articulation, joint: MechanismJoint, contact: JointCo
     body, origin = body_of(articulation, contact.link)
     point = np.array([contact.position_m]) - origin
     distances = [float(distance_outside(shape, point)[0]) for shape in body.shapes]
-    return judge_contact(joint, contact, body, origin, min(distances, default=MOST))
+    return judge_contact(joint, contact, body, origin, min(distances, default=NOT_FINITE))
 
 
 def _left_out(mechanism: Mechanism, exercised: set[str], looped: frozenset[str]) -> list[Diagnostic]:
