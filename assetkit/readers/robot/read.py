@@ -66,7 +66,7 @@ def read_robot(source: SourceFile, mesh_readers: Mapping[str, Reader]) -> Outcom
         masses=masses,
         mechanism=mechanism,
     )
-    repairs = (*surfaces.repairs, *_name_repairs(description), *joint_repairs, *mass_repairs)
+    repairs = (*surfaces.repairs, *_note_repairs(description), *joint_repairs, *mass_repairs)
     return Outcome(model, (*_notes(description), *reading.notes, *surfaces.diagnostics), repairs)
 
 
@@ -118,9 +118,13 @@ def _notes(description: RobotDescription) -> list[Diagnostic]:
     ]
 
 
-def _name_repairs(description: RobotDescription) -> list[Repair]:
-    """A repair for every element of a name that was taken, and for attributes that engines ask for."""
-    answers = {"robot/duplicate-name": "first_of_name", "robot/missing-attribute": "default_attribute"}
+def _note_repairs(description: RobotDescription) -> list[Repair]:
+    """A repair for every name that was taken, attribute that engines ask for, and axis that is no unit vector."""
+    answers = {
+        "robot/duplicate-name": "first_of_name",
+        "robot/missing-attribute": "default_attribute",
+        "robot/axis-not-unit": "unit_axis",
+    }
     return [
         Repair(name=answers[n.code], code=n.code, stage=INTAKE, before={"finding": n.headline}, after={"finding": "-"})
         for n in description.notes

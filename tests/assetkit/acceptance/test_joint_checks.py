@@ -32,7 +32,7 @@ def judged(
 
 
 def with_run(**changes: object) -> JointExercise:
-    return replace(GOOD, runs=(replace(RUN, **changes), PUSH))  # pyright: ignore[reportArgumentType]
+    return replace(GOOD, runs=(replace(RUN, **changes), PUSH))
 
 
 def codes(result: JudgedJoint) -> list[str]:

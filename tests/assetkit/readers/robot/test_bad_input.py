@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from assetkit.options import Options
+from assetkit.sources.discover import discover
+from assetkit.stages.intake import ReadSource
 from benchmarks.assets.fuzz.one_case import examine
 from tests.support.bad_inputs.robot import Files, joint, link, mjcf, shape, urdf, write
 
@@ -25,6 +28,14 @@ def hinge(inside: str, child: str = "b") -> str:
 
 def slide(size: str) -> Files:
     return urdf(link("a", shape(size)), link("b", shape(size)), hinge(AXIS + LIMIT.format(0, 1)))
+
+
+def examined(files: Files, folder: Path) -> tuple[object, object, bool, list[str]]:
+    """Objects made, broken promises, whether no exception was raised, and codes of findings."""
+    note = examine(folder, write(files, folder))
+    codes = note["codes"]
+    assert isinstance(codes, list)
+    return note["made"], note["broken"], "trace" not in note, codes
 
 
 REFUSED = {
@@ -53,11 +64,7 @@ REFUSED = {
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_cannot_be_read_is_refused_by_its_code(name: str, tmp_path: Path) -> None:
     files, code = REFUSED[name]
-    note = examine(tmp_path, write(files, tmp_path))
-    assert "trace" not in note
-    assert note["broken"] == []
-    assert note["made"] == 0
-    assert code in note["codes"]
+    assert examined(files, tmp_path) == (0, [], True, [code])
 
 
 REPAIRED = {
@@ -66,6 +73,10 @@ REPAIRED = {
         mjcf('<geom size="1"/>\n<body><joint range="1 -1"/><geom size="1"/></body>'),
         "robot/reversed-limits",
     ),
+    "an axis of another length": (
+        urdf(TWO, hinge('<axis xyz="0 0 1000"/>' + LIMIT.format(0, 1))),
+        "robot/axis-not-unit",
+    ),
     "lengths in millimetres": (slide('<box size="400 20 500"/>'), "asset/contradictory-evidence"),
 }
 
@@ -73,11 +84,9 @@ REPAIRED = {
 @pytest.mark.parametrize("name", REPAIRED)
 def test_what_can_be_repaired_is_made_and_the_defect_is_named(name: str, tmp_path: Path) -> None:
     files, code = REPAIRED[name]
-    note = examine(tmp_path, write(files, tmp_path))
-    assert "trace" not in note
-    assert note["broken"] == []
-    assert note["made"] == 1
-    assert code in note["codes"]
+    made, broken, whole, codes = examined(files, tmp_path)
+    assert (made, broken, whole) == (1, [], True)
+    assert code in codes
 
 
 CHAIN = "".join(
@@ -98,3 +107,23 @@ def test_ten_thousand_links_are_refused_in_time_linear_in_their_number(files: Fi
     note = examine(tmp_path, path)
     assert note["codes"] == [code]
     assert time.process_time() - started < 30.0
+
+
+@pytest.mark.parametrize(
+    ("inside", "name", "axis", "limits"),
+    [
+        ('<axis xyz="0 0 1000"/>' + LIMIT.format(0, 1), "unit_axis", (0.0, 0.0, 1.0), (0.0, 1.0)),
+        (AXIS + LIMIT.format(1, -1), "swap_limits", (0.0, 0.0, 1.0), (-1.0, 1.0)),
+    ],
+)
+def test_a_repaired_joint_is_that_of_the_good_description_and_the_record_names_the_repair(
+    inside: str, name: str, axis: tuple[float, ...], limits: tuple[float, float], tmp_path: Path
+) -> None:
+    path = write(urdf(TWO, hinge(inside)), tmp_path)
+    (candidate,) = discover([path])
+    taken = ReadSource().run(candidate, Options())
+    mechanism = taken.objects[0].model.mechanism
+    assert mechanism is not None
+    assert mechanism.joints[0].axis == pytest.approx(axis)
+    assert mechanism.joints[0].limits == limits
+    assert name in [repair.name for repair in taken.repairs]
