@@ -25,7 +25,7 @@ class JointPolicy:
     blocked_share             of its range that a joint must reach before it runs into a link that others can move away;
                               below, a person looks.
     thorough_joints           up to so many joints of one object are driven and pushed, slow and fast; up to
-                              `quick_joints` each is driven fast and pushed slowly; up to `most_joints` driven fast; the
+                              `quick_joints` each is driven slowly and pushed fast; up to `most_joints` driven fast; the
                               others are not exercised. A joint takes 0.1 s of a core, 0.4 s with every run (measured).
     """
 

@@ -17,7 +17,7 @@ from schemas.mechanism import Mechanism, MechanismJoint
 from schemas.physics import CollisionShape, RigidBody
 from sim.joint_exercise import ALL_RUNS, Actuation, Articulation, JointTask, Pace, moved_links
 
-_QUICK: tuple[tuple[Actuation, Pace], ...] = (("drive", "fast"), ("push", "slow"))
+_QUICK: tuple[tuple[Actuation, Pace], ...] = (("drive", "slow"), ("push", "fast"))
 _LEAST: tuple[tuple[Actuation, Pace], ...] = (("drive", "fast"),)
 LEVEL_DEG = 10.0  # A probe stays in what slides level or turns about an upright axis.
 # Edge of a cubic probe as a share of the widest ball that gets in and of the height: small beside its container, large
