@@ -234,18 +234,15 @@ class _Exercise:
         pybullet.changeDynamics(handle, -1, lateralFriction=FRICTION, physicsClientId=built.client)
         motion = _Motion(self, "slow", step_s)
         motion.hold(2.0 * SETTLING_S * self.root)
-        X_WL, start = built.link_pose(self.joint.child), self._centre(handle)
+        X_WL, start = built.link_pose(self.joint.child), _centre(handle, built.client)
         far = self.stroke.high if self.stroke.high >= -self.stroke.low else self.stroke.low
         motion.drive(far)
-        X_WL_end, end = built.link_pose(self.joint.child), self._centre(handle)
+        X_WL_end, end = built.link_pose(self.joint.child), _centre(handle, built.client)
         pybullet.removeBody(handle, physicsClientId=built.client)
         back = X_WL @ pose.inverse(X_WL_end)
         carried = pose.apply(pose.inverse(back), start[None])[0]
         moved = float(np.linalg.norm(carried - start)) / built.scale
         return ProbeCarry(moved, start / built.scale, pose.apply(back, end[None])[0] / built.scale)
-
-    def _centre(self, handle: int) -> FloatArray:
-        return np.asarray(pybullet.getBasePositionAndOrientation(handle, physicsClientId=self.built.client)[0])
 
 
 class _Motion:
@@ -399,3 +396,7 @@ class _Motion:
         length = float(np.linalg.norm(step))
         if length > 0.0:
             self.axis, self._axis_travel = step / length, abs(self.q)
+
+
+def _centre(handle: int, client: int) -> FloatArray:
+    return np.asarray(pybullet.getBasePositionAndOrientation(handle, physicsClientId=client)[0])
