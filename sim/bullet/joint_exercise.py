@@ -13,21 +13,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import pybullet
 from scipy.spatial.transform import Rotation
 
 from geom import pose
-from geom.convex.placement import moved_shape
-from geom.convex.support_function import surface
 from geom.mechanism_pose import joint_positions
 from schemas.arrays import FloatArray
-from schemas.mechanism import MechanismJoint
-from schemas.physical_constants import GRAVITY_MPS2
 from sim.bullet.articulation import JOINT_STEP_S, BuiltArticulation, build
 from sim.bullet.joint_overlaps import overlaps_along, overlaps_at_rest
+from sim.bullet.joint_stroke import Stroke, stroke_of
 from sim.bullet.probes import FRICTION, build_loose
 from sim.bullet.world import private_client
 from sim.joint_exercise import (
@@ -41,12 +37,8 @@ from sim.joint_exercise import (
     ProbeCarry,
     followers,
     moved_links,
-    reach_of,
 )
 
-# Seconds of a stroke over the whole range: a hand moves a handle at 2 m/s when it is quick, within these bounds.
-FAST_MPS, FAST_LEAST_S, FAST_MOST_S, SLOW_S = 2.0, 0.4, 1.0, 2.0
-STRENGTH = 3.0  # of motor and hand, over what the stroke takes
 BEYOND = 0.03  # of the range: how far past an end a drive's target runs; further, and motor and limit share the way
 GAIN = 40.0  # of the position motor, per stroke: an error of 2 % of the range is braked with what strength there is
 PATIENCE = 1.5  # times the seconds of a stroke, until a push counts as blocked
@@ -61,84 +53,20 @@ AXIS_ANGLE_RAD = 0.5  # turn after which the axis is read off the poses of links
 HOLDING = 10.0  # strength of the motors of other joints, over that of the exercised one at its own job
 
 
-@dataclass(frozen=True)
-class _Stroke:
-    """Numbers of one joint, in units of the model: reach from rest, lever arms, masses, efforts."""
-
-    joint: MechanismJoint
-    reach: tuple[float, float]  # true positions
-    low: float
-    high: float
-    arm: float
-    inertia: float
-    damping: float
-    stiffness: float
-    friction: float
-    gravity: float
-    fall_mps: float
-
-    @property
-    def span(self) -> float:
-        return max(self.high - self.low, 1e-9)
-
-    def seconds(self, pace: Pace, root: float) -> float:
-        fast_s = min(max(self.span * self.arm / (FAST_MPS * root), FAST_LEAST_S * root), FAST_MOST_S * root)
-        return fast_s if pace == "fast" else max(SLOW_S * root, fast_s)
-
-    def strength(self, rate: float, inertia: float) -> float:
-        """Effort that brings an inertia, at most that of all mass at the end of the arm, to `rate` in a tenth of the
-        stroke, against all that resists.
-        """
-        speeding = min(inertia, self.inertia) * rate / (0.1 * self.span / rate)
-        resisting = self.gravity + self.friction + self.damping * rate + 2.0 * self.stiffness * self.span
-        return STRENGTH * (speeding + resisting)
-
-
 def exercise_joints(articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:
     """See `sim.port.Simulator.exercise_joints`."""
     with private_client() as client:
         built = build(articulation, client)
         at_rest = overlaps_at_rest(built)
-        strokes = {j.name: _stroke(built, j) for j in articulation.mechanism.tree if j.kind != "ball"}
+        strokes = {j.name: stroke_of(built, j) for j in articulation.mechanism.tree if j.kind != "ball"}
         exercises = tuple(_Exercise(built, strokes, task).run() for task in tasks)
     return ArticulationExercise(exercises, at_rest)
-
-
-def _stroke(built: BuiltArticulation, joint: MechanismJoint) -> _Stroke:
-    mechanism, scale = built.articulation.mechanism, built.scale
-    moved = moved_links(mechanism, (joint,))
-    origins = {link.name: pose.pose(None, link.origin) for link in mechanism.links}
-    bodies = [body for body in built.articulation.links if body.name in moved]
-    clouds = [surface(moved_shape(s, origins[body.name]))[0] for body in bodies for s in body.shapes]
-    points = np.concatenate([np.asarray(joint.anchor)[None], *clouds]) - joint.anchor
-    mass = sum(body.mass.mass_kg for body in bodies) * scale**3
-    reach = reach_of(mechanism, joint)
-    low, high = ((end - joint.rest) * built.unit(joint) for end in reach)
-    upright = abs(float(joint.axis[2]))
-    level = math.sqrt(max(1.0 - upright**2, 0.0))
-    arm = float(np.linalg.norm(np.cross(points, joint.axis), axis=1).max()) * scale if joint.is_angular else 1.0
-    arm = arm if arm > 0.0 else 1.0
-    fall = 2.0 * arm * level if joint.is_angular else upright * (high - low)
-    return _Stroke(
-        joint,
-        reach,
-        low,
-        high,
-        arm,
-        inertia=mass * arm**2,
-        gravity=mass * GRAVITY_MPS2 * (arm * level if joint.is_angular else upright),
-        fall_mps=math.sqrt(2.0 * GRAVITY_MPS2 * max(fall, 0.0)),
-        # Froude (`sim.port.model_scale`): torques x s^4, forces x s^3, times x sqrt(s).
-        damping=joint.damping * (scale**4.5 if joint.is_angular else scale**2.5),
-        stiffness=joint.stiffness * (scale**4 if joint.is_angular else scale**2),
-        friction=joint.friction * (scale**4 if joint.is_angular else scale**3),
-    )
 
 
 class _Exercise:
     """The exercise of one joint in the world of `built`."""
 
-    def __init__(self, built: BuiltArticulation, strokes: Mapping[str, _Stroke], task: JointTask) -> None:
+    def __init__(self, built: BuiltArticulation, strokes: Mapping[str, Stroke], task: JointTask) -> None:
         self.built, self.strokes, self.task = built, strokes, task
         mechanism = built.articulation.mechanism
         self.joint = next(j for j in mechanism.tree if j.name == task.joint)
