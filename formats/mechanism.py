@@ -7,7 +7,7 @@ joint at its reference, or at the limit next to it. A description whose links do
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -362,20 +362,3 @@ class _Reduction:
 def _repair(name: str, code: str, joint: DescribedJoint, *, limits: str, now: str) -> Repair:
     before: dict[str, float | int | str] = {"joint": joint.name, "limits": limits}
     return Repair(name=name, code=code, stage=INTAKE, before=before, after={"joint": joint.name, "limits": now})
-
-
-def with_slide_limits(mechanism: Mechanism, size: float) -> tuple[Mechanism, tuple[Repair, ...]]:
-    """Sliding joints without limits may move by `size` either way: packages and engines want an end."""
-    repairs: list[Repair] = []
-    joints: list[MechanismJoint] = []
-    for joint in mechanism.joints:
-        if joint.kind == "prismatic" and joint.limits is None:
-            limits = joint.rest - size, joint.rest + size
-            joint = replace(joint, limits=limits, limits_inferred=True)
-            before: dict[str, float | int | str] = {"joint": joint.source_name, "limits": "none"}
-            now = f"{limits[0]:.6g} .. {limits[1]:.6g}"
-            after: dict[str, float | int | str] = {"joint": joint.source_name, "limits": now}
-            code = "robot/missing-limit"
-            repairs.append(Repair(name="limit_by_size", code=code, stage=INTAKE, before=before, after=after))
-        joints.append(joint)
-    return replace(mechanism, joints=tuple(joints)), tuple(repairs)

@@ -12,6 +12,7 @@ from geom.mesh.rays import Rays
 from geom.pose import quat_of, shortest_rotation
 from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, RigidBody
+from sim.joint_exercise import Articulation, ArticulationExercise, JointExercise, JointRun, JointTask, reach_of
 from sim.port import DropResult, DropSettings, GraspOutcome, GraspTask, ProbeResult, World
 
 _NUDGE_RAD = 1e-4
@@ -67,6 +68,17 @@ class FakeSimulator:
         """See `sim.port.Simulator`: friction of both pads against the weight, no torques; what is held is let go."""
         held = 2.0 * task.friction * task.force_n >= body.mass.mass_kg * -World().gravity_mps2[2]
         return GraspOutcome(held=held, released=held, slip_m=0.0 if held else math.inf)
+
+    def exercise_joints(self, articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:
+        """See `sim.port.Simulator`: every joint moves exactly over its range, nothing is in its way or inside it."""
+        mechanism = articulation.mechanism
+        joints = {joint.name: joint for joint in mechanism.tree}
+        exercises: list[JointExercise] = []
+        for task in tasks:
+            low, high = reach_of(mechanism, joints[task.joint])
+            runs = tuple(JointRun(kind, pace, low, high, 0.0, 0.0, 1.0, None, 0.0, True) for kind, pace in task.runs)
+            exercises.append(JointExercise(task.joint, (low, high), joints[task.joint].axis, runs, ()))
+        return ArticulationExercise(tuple(exercises), ())
 
     def drop_probes(
         self, fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float

@@ -1,4 +1,4 @@
-"""Protocols and data of a rigid-body simulator: drops, loose probes, grasps, resets; SI units, world frame z up.
+"""Protocols and data of a rigid-body simulator: drops, probes, grasps, joints, resets; SI units, world frame z up.
 
 Implementations: `sim.bullet.simulator`, and `sim.fake` for tests. Also Froude scaling and tabletop worlds by size.
 """
@@ -16,6 +16,7 @@ from geom.grasp.gripper import Gripper
 from schemas.arrays import FloatArray
 from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
+from sim.joint_exercise import Articulation, ArticulationExercise, JointTask
 
 ROLLING_RESISTANCE = 0.003  # of the size, see `world_for`
 SMALLEST_M, LARGEST_M, MODEL_M = 0.02, 5.0, 0.3
@@ -178,6 +179,15 @@ class Simulator(Protocol):
     def grasp_and_lift(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
         """Close on `body`, at rest on the ground in pose `X_WA`, lift it by 0.3 m, hold it for a second, shake it
         for 1.5 s (2 Hz, a circle of 1 cm), and let go: `grasp_and_lift` of NVIDIA's SimReady runtime benchmark.
+        """
+        ...
+
+    def exercise_joints(self, articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:
+        """Move the joints of an articulated object whose base is fixed, one task at a time, and look at what happens.
+
+        Each joint is driven and pushed from rest to both ends of its range while the others are held at rest; joints
+        that follow it move with it, and joints that close a loop are left out. Overlaps of links are measured at rest
+        and along the range. With a probe in its link the joint is moved to its far end once more, slowly.
         """
         ...
 

@@ -42,7 +42,7 @@ def alignment_checks(body: RigidBody, points: FloatArray, triangles: IntArray) -
     size = float(np.linalg.norm(high - low))
     corners = float(np.abs(bounds(body.shapes) - np.stack([low, high])).max())
     samples, _ = sample_surface(points, triangles, 2000, seed=0)
-    outside = np.min([_distance_outside(shape, samples) for shape in body.shapes], axis=0)
+    outside = np.min([distance_outside(shape, samples) for shape in body.shapes], axis=0)
     return [
         _at_most("collider_box_offset", corners / size, 0.05, _OF_DIAGONAL),
         _at_most("visual_outside_collider_p95", float(np.percentile(outside, 95)) / size, 0.05, _OF_DIAGONAL),
@@ -86,7 +86,7 @@ def _mass_checks(body: RigidBody, size: float) -> list[Check]:
     ]
 
 
-def _distance_outside(shape: CollisionShape, points: FloatArray) -> FloatArray:
+def distance_outside(shape: CollisionShape, points: FloatArray) -> FloatArray:
     """How far (k,) points lie outside one shape, 0 inside; for hulls a lower bound, exact over faces."""
     local = (points - shape.X_AS[:3, 3]) @ shape.X_AS[:3, :3]
     if shape.kind == "hull":

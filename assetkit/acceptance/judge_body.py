@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from assetkit.acceptance.body_checks import alignment_checks, body_checks, frame_checks
+from assetkit.acceptance.joints.checks import JudgedJoint
 from assetkit.acceptance.settling import Settling, settle_and_drop
 from assetkit.acceptance.stable_poses import StablePoses, find_stable_poses
 from schemas.arrays import FloatArray, IntArray
@@ -21,11 +22,20 @@ from sim.port import Simulator
 
 @dataclass(frozen=True)
 class AcceptanceResult:
-    """The acceptance section of the record, findings, and whether every check passed."""
+    """The acceptance section of the record, findings, whether every check passed, whether it was simulated."""
 
     section: AcceptanceSection
     diagnostics: tuple[Diagnostic, ...]
     passed: bool
+    is_simulated: bool = True
+
+    def with_joints(self, joints: JudgedJoint) -> AcceptanceResult:
+        """The result with checks and findings of joints after those of the whole object."""
+        if not joints.checks:
+            return self
+        section = self.section.model_copy(update={"checks": (*self.section.checks, *joints.checks)})
+        passed = self.passed and all(check.passed for check in joints.checks)
+        return replace(self, section=section, diagnostics=(*self.diagnostics, *joints.diagnostics), passed=passed)
 
 
 def accept(
@@ -50,7 +60,7 @@ def accept(
     static += [c for link in links for c in _named(link, body_checks(link))] if links else body_checks(body)
     refused = _failures("asset/package-invalid", "the body as written", static, where)
     if refused:
-        return _result(simulator, static, (), refused)
+        return replace(_result(simulator, static, (), refused), is_simulated=False)
 
     aligned = alignment_checks(body, *visual)
     settling = settle_and_drop(body, simulator)

@@ -10,6 +10,7 @@ import numpy as np
 
 from assetkit.geometry.canonical_bodies import joined, mend_bodies
 from assetkit.geometry.distortion import Distortion, distortion_finding
+from assetkit.geometry.joint_damping import DampingResult, plausible_damping
 from assetkit.geometry.physical_surface import at_origin, physical_surface
 from assetkit.geometry.record_section import geometry_section
 from assetkit.options import Options
@@ -20,7 +21,6 @@ from geom.mechanism_pose import in_frame
 from geom.solid.self_intersections import MISCOUNTED_SHARE, SelfIntersection
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
-from schemas.mechanism import Mechanism
 from schemas.model import Mesh, Model
 from schemas.outcome import Outcome, Repair
 
@@ -68,6 +68,7 @@ def canonicalize(item: Intake, source_name: str, options: Options, frame: Frame 
     homed = at_origin(light.meshes, p_origin)
     offset = -(p_origin + R_AS @ far.shift * unit.meters_per_unit.value)
     section = geometry_section(homed, physical, unit.meters_per_unit, mended, light, R_AS, offset)
+    joints = _mechanism(model, R_AS, scale, offset, homed)
     edits = (*mended.diagnostics, *light.diagnostics, *physical.diagnostics)
     for_review = _review_findings(
         (*mended.distortions, *light.distortions, *physical.distortions), mended.unresolved, p_origin
@@ -80,21 +81,30 @@ def canonicalize(item: Intake, source_name: str, options: Options, frame: Frame 
             up.axis,
             section,
             R_AS,
-            _mechanism(model, R_AS, scale, offset),
+            joints.mechanism if joints is not None else None,
             tuple(LinkSurface(b.link, s.solid, s.wall) for b, s in zip(bodies, surfaces, strict=True) if b.link),
         ),
-        (*unit.diagnostics, *up.diagnostics, *given.diagnostics, *far.diagnostics, *edits, *for_review),
-        (*unit.repairs, *up.repairs, *given.repairs, *far.repairs, *physical.repairs, *light.repairs),
+        (
+            *(*unit.diagnostics, *up.diagnostics, *given.diagnostics, *far.diagnostics, *edits, *for_review),
+            *(joints.diagnostics if joints is not None else ()),
+        ),
+        (
+            *(*unit.repairs, *up.repairs, *given.repairs, *far.repairs, *physical.repairs, *light.repairs),
+            *(joints.repairs if joints is not None else ()),
+        ),
         review=unit.review or up.review or bool(for_review),
     )
 
 
-def _mechanism(model: Model, R_AS: FloatArray, scale: float, offset: FloatArray) -> Mechanism | None:
-    """The mechanism of a model in the asset frame; the frame of its root is the asset frame at rest."""
+def _mechanism(
+    model: Model, R_AS: FloatArray, scale: float, offset: FloatArray, meshes: Sequence[Mesh]
+) -> DampingResult | None:
+    """The mechanism of a model in the asset frame, with plausible damping; its root's frame is that frame at rest."""
     if model.mechanism is None:
         return None
     placed = in_frame(model.mechanism, R_AS, scale, offset)
-    return replace(placed, links=(replace(placed.root, origin=np.zeros(3)), *placed.links[1:]))
+    rooted = replace(placed, links=(replace(placed.root, origin=np.zeros(3)), *placed.links[1:]))
+    return plausible_damping(rooted, meshes)
 
 
 def _review_findings(

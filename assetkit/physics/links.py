@@ -7,19 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from assetkit.mass.parts import MassEvidenceInputs
 from assetkit.physics.build import PhysicsResult, build_physics
+from assetkit.physics.link_clearance import clear_links
 from assetkit.stage import LinkSurface, Physics
-from geom.convex.penetration import box_overlap, penetration_depth
-from geom.convex.support_function import surface
 from geom.mass.inertia import combine
-from schemas.arrays import FloatArray
 from schemas.asset import LinkSection, PhysicsSection, matrix3, vec3
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, declared, inferred
@@ -30,7 +25,6 @@ from schemas.physics import CollisionShape, SurfaceMaterial
 from schemas.stated_physics import StatedContact
 
 BY_LINK = "by_link"  # the collision method of a whole mechanism; each link has its own
-OVERLAP_SHARE = 0.002  # of the smaller link's diagonal: deeper overlaps at rest would burst apart
 
 
 class _LinkPhysics(NamedTuple):
@@ -57,6 +51,8 @@ def link_physics(
         folder.mkdir(parents=True, exist_ok=True)
         result = build_physics(by_name[link.name].solid, names, work_dir=folder, mass_inputs=inputs, contacts=contacts)
         parts.append(_LinkPhysics(link, result, result.section.mass_kg.value / result.section.density_kgm3.value))
+    clearance = clear_links({p.link.name: p.result.shapes for p in parts}, mechanism)
+    parts = [p._replace(result=replace(p.result, shapes=clearance.shapes[p.link.name])) for p in parts]
     heaviest = max(parts, key=lambda p: p.result.mass.mass_kg)
     surface_list = list(dict.fromkeys(s for p in (heaviest, *parts) for s in _surfaces(p.result)))
     shapes, shape_surfaces, bodies = list[CollisionShape](), list[int](), list[LinkBody]()
@@ -75,11 +71,13 @@ def link_physics(
         tuple(surface_list),
         tuple(shape_surfaces),
         tuple(bodies),
-        _filtered_pairs(parts),
+        clearance.filtered_pairs,
     )
-    notes: dict[str, Diagnostic] = {d.model_dump_json(): d for p in parts for d in p.result.diagnostics}
+    found = [*(d for p in parts for d in p.result.diagnostics), *clearance.diagnostics]
+    notes: dict[str, Diagnostic] = {d.model_dump_json(): d for d in found}
+    repairs = (*(r for p in parts for r in p.result.repairs), *clearance.repairs)
     review = any(p.result.section.collider_misses_bounds for p in parts)
-    return Outcome(physics, tuple(notes.values()), tuple(r for p in parts for r in p.result.repairs), review=review)
+    return Outcome(physics, tuple(notes.values()), repairs, review=review)
 
 
 def _surfaces(result: PhysicsResult) -> tuple[SurfaceMaterial, ...]:
@@ -185,24 +183,10 @@ def _joint_evidence(joint: MechanismJoint) -> Evidence[dict[str, Any]]:
         value["source_name"] = joint.source_name
     where = (str(joint.where),) if joint.where is not None else ()
     if joint.limits_inferred:
-        return inferred(value, "joint of the source; it states no limits: the size of the object", 0.3, inputs=where)
+        return inferred(
+            value,
+            "joint of the source; it states no limits: the way that is free, at most the size of the object",
+            0.3,
+            inputs=where,
+        )
     return declared(value, "joint of the source", inputs=where)
-
-
-def _filtered_pairs(parts: Sequence[_LinkPhysics]) -> tuple[tuple[str, str], ...]:
-    """Links whose colliders overlap at rest; they do not collide with each other."""
-    clouds = {p.link.name: [surface(shape)[0] for shape in p.result.shapes] for p in parts}
-    pairs: list[tuple[str, str]] = []
-    for first, second in combinations(clouds, 2):
-        bound = OVERLAP_SHARE * min(_diagonal(clouds[first]), _diagonal(clouds[second]))
-        if _overlap(clouds[first], clouds[second], bound):
-            pairs.append((first, second))
-    return tuple(pairs)
-
-
-def _overlap(first: Sequence[FloatArray], second: Sequence[FloatArray], bound: float) -> bool:
-    return any(box_overlap(a, b) > bound and penetration_depth(a, b) > bound for a in first for b in second)
-
-
-def _diagonal(clouds: Sequence[FloatArray]) -> float:
-    return float(np.linalg.norm(np.ptp(np.concatenate(list(clouds)), axis=0)))

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
+from assetkit.acceptance.joints.checks import JudgedJoint
+from assetkit.acceptance.joints.judge_joints import judge_joints
+from assetkit.acceptance.judge_body import AcceptanceResult
 from assetkit.acceptance.judge_package import judge_bytes, require_files, simulate_package
 from assetkit.affordances.anchor_trials import verify_anchors
 from assetkit.affordances.find import find_affordances
@@ -24,6 +29,8 @@ from assetkit.stage import (
     Stage,
     Tools,
 )
+from schemas.anchors import Anchor
+from schemas.evidence import Evidence
 from schemas.outcome import Outcome
 from usdio.write.source_names import rename_findings, source_names
 
@@ -32,7 +39,7 @@ class AcceptPackage(Stage):
     """Judges the bytes that are shipped, never the values in memory."""
 
     name = "acceptance"
-    version = 6
+    version = 7
     result = Acceptance
     reads = (Canonical, Appearance, Semantics, Interaction, Physics, Previews)
 
@@ -55,7 +62,21 @@ class AcceptPackage(Stage):
         images = render_previews(draft.model, (), tools.work_dir, grasps=drawn) if drawn else {}
         acceptance = Acceptance(simulated.section, anchors.anchors, offered.affordances, images)
         package = release.with_grasps(package, draft, grasp_lines(offered.affordances), tools)
+        joints = _judged_joints(package.main_file, draft, simulated, anchors.anchors, tools)
+        simulated = simulated.with_joints(joints)
         judged = judge_bytes(package.main_file, simulated, collider_misses_bounds)
         require_files(package)
         diagnostics = (*names, *judged.diagnostics, *anchors.diagnostics, *offered.diagnostics)
-        return Outcome(replace(acceptance, section=judged.section), diagnostics, review=judged.review)
+        review = judged.review or joints.review
+        return Outcome(replace(acceptance, section=judged.section), diagnostics, review=review)
+
+
+def _judged_joints(
+    main_file: Path, draft: Draft, simulated: AcceptanceResult, anchors: Sequence[Evidence[Anchor]], tools: Tools
+) -> JudgedJoint:
+    """The verdict on the joints of an articulated object whose bodies make sense."""
+    declared = draft[Canonical].mechanism
+    if declared is None or not simulated.is_simulated:
+        return JudgedJoint((), ())
+    holding = [anchor.value for anchor in anchors]
+    return judge_joints(main_file, reread(main_file), tools.simulator, declared=declared, anchors=holding)

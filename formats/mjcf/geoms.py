@@ -51,9 +51,10 @@ def geom_shape(
     kind = _KINDS[choice(a, "type", tuple(_KINDS), "sphere", source)]
     place = f"geom '{a.get('name', '')}' of body '{body}'"
     mesh = assets.meshes.get(a.get("mesh", ""))
-    if a.get("mesh") and mesh is None:
-        headline = f"{place} names the unknown mesh '{a['mesh']}'"
-        refuse("robot/unknown-reference", headline, source, value=a["mesh"])
+    if mesh is None and (a.get("mesh") or kind == "mesh"):
+        name = a.get("mesh", "")
+        headline = f"{place} names the unknown mesh '{name}'" if name else f"{place} is a mesh and names none"
+        refuse("robot/unknown-reference", headline, source, value=name)
     stated_size = numbers(a, "size", None, (), source)
     between = "fromto" in a and kind in ("capsule", "cylinder", "box", "ellipsoid")
     X_FG, size = (

@@ -46,6 +46,7 @@ _KINDS: dict[str, JointKind] = {
     "planar": "planar",
     "spherical": "ball",
 }
+_UNIT_TOLERANCE = 0.01  # of the length of an axis: files round to two or three digits
 _WITH_AXIS = ("revolute", "continuous", "prismatic", "planar")
 _NONE = (0.0, 0.0, 0.0)
 _NO_ELEMENT = synthetic("none", {})
@@ -194,6 +195,21 @@ class _Reading:
             self.materials.setdefault(name, material)
         return material
 
+    def _axis(self, joint: Element, kind: JointKind, name: str) -> FloatArray:
+        """Unit vector; some files have an axis of zeros where it means nothing."""
+        if kind not in _WITH_AXIS:
+            return np.array([0.0, 0.0, 1.0])
+        element = joint.first("axis")
+        axis = np.array(vector(element.attributes, "xyz", None, element.source) if element else (1.0, 0.0, 0.0))
+        length, source = float(np.linalg.norm(axis)), (element or joint).source
+        if not length > 1e-12:
+            refuse("robot/zero-axis", f"joint '{name}' has an axis of zeros", source, 0.0)
+        if abs(length - 1.0) > _UNIT_TOLERANCE:
+            headline = f"joint '{name}' has an axis of length {length:.6g}; its direction counts"
+            where = source.location
+            self.notes.append(finding("robot/axis-not-unit", headline, where=where, value=length, bound=1.0))
+        return axis / length
+
     def _joint(self, element: Element) -> DescribedJoint:
         name, source = name_of(element), element.source
         kind = _KINDS[choice(element.attributes, "type", tuple(_KINDS), "", source)]
@@ -205,7 +221,7 @@ class _Reading:
             parent=_end(element, "parent", name),
             child=_end(element, "child", name),
             X_PC=_origin(element),
-            axis_C=_axis(element, kind, name),
+            axis_C=self._axis(element, kind, name),
             limits=self._limits(limit, kind, name, element),
             effort=_optional(limit, "effort"),
             velocity=_optional(limit, "velocity"),
@@ -281,18 +297,6 @@ def _end(joint: Element, tag: str, name: str) -> str:
     if not link:
         refuse("robot/missing-link", f"joint '{name}' has no {tag} link", joint.source)
     return link
-
-
-def _axis(joint: Element, kind: JointKind, name: str) -> FloatArray:
-    """Unit vector; some files have an axis of zeros where it means nothing."""
-    if kind not in _WITH_AXIS:
-        return np.array([0.0, 0.0, 1.0])
-    element = joint.first("axis")
-    axis = np.array(vector(element.attributes, "xyz", None, element.source) if element else (1.0, 0.0, 0.0))
-    length = np.linalg.norm(axis)
-    if not length > 1e-12:
-        refuse("robot/zero-axis", f"joint '{name}' has an axis of zeros", (element or joint).source, 0.0)
-    return axis / length
 
 
 def _mimic(element: Element | None) -> Mimic | None:

@@ -15,20 +15,31 @@ _CORNER_DIRECTIONS = 64
 def penetration_depth(points_a: FloatArray, points_b: FloatArray) -> float:
     """The shortest translation that separates the convex hulls of (n, 3) and (m, 3) points; 0 when they do not overlap.
 
+    See `penetration`.
+    """
+    return penetration(points_a, points_b)[0]
+
+
+def penetration(points_a: FloatArray, points_b: FloatArray) -> tuple[float, FloatArray]:
+    """Depth as of `penetration_depth`, and the unit vector along which the hull of b moves by it to leave that of a.
+
     Exact: the hulls overlap iff the origin lies inside the hull of all differences `a - b`, and the depth is its
     distance from the nearest face there (van den Bergen 2003, "Collision Detection in Interactive 3D Environments").
-    Beyond `MOST_PAIRS` differences only the extreme points along even directions are used, for a lower bound.
+    Beyond `MOST_PAIRS` differences only the extreme points along even directions are used, for a lower bound. The
+    vector is zero where they do not overlap.
     """
     if box_overlap(points_a, points_b) <= 0.0:
-        return 0.0
+        return 0.0, np.zeros(3)
     if len(points_a) * len(points_b) > MOST_PAIRS:
         points_a, points_b = _outermost(points_a), _outermost(points_b)
     differences = (points_a[:, None] - points_b[None]).reshape(-1, 3)
     try:
-        offsets = ConvexHull(differences).equations[:, 3]
+        planes = ConvexHull(differences).equations
     except (QhullError, ValueError):
-        return 0.0
-    return max(0.0, float(-offsets.max()))
+        return 0.0, np.zeros(3)
+    nearest = planes[int(planes[:, 3].argmax())]
+    depth = float(-nearest[3])
+    return (depth, nearest[:3]) if depth > 0.0 else (0.0, np.zeros(3))
 
 
 def box_overlap(points_a: FloatArray, points_b: FloatArray) -> float:

@@ -11,6 +11,7 @@ from schemas.codes.code_info import CodeInfo
 from schemas.codes.gap import GAP_CODES
 from schemas.codes.gate import GATE_CODES
 from schemas.codes.intake import INTAKE_CODES
+from schemas.codes.joints import JOINT_CODES
 from schemas.codes.plan import PLAN_CODES
 from schemas.codes.replay import REPLAY_CODES
 from schemas.codes.robot import ROBOT_CODES
@@ -22,6 +23,7 @@ CODES: dict[str, CodeInfo] = {
     **INTAKE_CODES,
     **SHAPE_CODES,
     **USE_CODES,
+    **JOINT_CODES,
     **GATE_CODES,
     **GAP_CODES,
     **SCENE_CODES,

@@ -140,6 +140,12 @@ ROBOT_CODES: dict[str, CodeInfo] = {
         "The joint could move in any direction.",
         "give the direction in which the joint turns or slides",
     ),
+    "robot/axis-not-unit": CodeInfo(
+        "warning",
+        "The axis of a joint is not of length 1",
+        "Engines that take it as it stands move a slide by that many times too much.",
+        "nothing; the direction was used. Write a unit vector",
+    ),
     "robot/invalid-orientation": CodeInfo(
         "error",
         "An orientation is given twice, or has no direction",

@@ -58,13 +58,13 @@ def _build_fixed(shapes: Sequence[CollisionShape], scale: float, client: int) ->
     pybullet.setCollisionFilterGroupMask(body, -1, _FIXED_GROUP, _PROBE_GROUP, physicsClientId=client)
 
 
-def _build_probe(probe: CollisionShape, scale: float, client: int) -> int:
-    """The engine's handle of a probe of 1 kg."""
+def build_loose(probe: CollisionShape, scale: float, mass_kg: float, client: int) -> int:
+    """The engine's handle of a loose box or ball of that mass at model size; it collides with everything."""
     size = [float(s) * scale for s in probe.size_m]
     form = {"halfExtents": [s / 2.0 for s in size]} if probe.kind == "box" else {"radius": size[0]}
     kind = pybullet.GEOM_BOX if probe.kind == "box" else pybullet.GEOM_SPHERE
     body = pybullet.createMultiBody(
-        1.0,
+        mass_kg,
         pybullet.createCollisionShape(kind, **form, physicsClientId=client),
         basePosition=(scale * probe.X_AS[:3, 3]).tolist(),
         baseOrientation=Rotation.from_matrix(probe.X_AS[:3, :3]).as_quat().tolist(),
@@ -80,6 +80,12 @@ def _build_probe(probe: CollisionShape, scale: float, client: int) -> int:
         angularDamping=DAMPING,
         physicsClientId=client,
     )
+    return body
+
+
+def _build_probe(probe: CollisionShape, scale: float, client: int) -> int:
+    """The engine's handle of a probe of 1 kg, which only touches the fixed body."""
+    body = build_loose(probe, scale, 1.0, client)
     pybullet.setCollisionFilterGroupMask(body, -1, _PROBE_GROUP, _FIXED_GROUP, physicsClientId=client)
     return body
 

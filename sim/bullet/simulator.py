@@ -1,4 +1,4 @@
-"""The PyBullet implementation of `sim.port.Simulator`: drops, probes, grasps; one private DIRECT client per object.
+"""The PyBullet implementation of `sim.port.Simulator`: drops, probes, grasps, joints; each object has a private client.
 
 Traps of PyBullet 3.2.7 that this file works around, each covered by a test:
 - a free `btMultiBody`, the default, integrates the gyroscopic moment explicitly: a spinning box gains a fifth of its
@@ -32,9 +32,11 @@ from geom.mass.principal_axes import principal_axes
 from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, RigidBody
 from sim.bullet.grasp import grasp_and_lift
+from sim.bullet.joint_exercise import exercise_joints
 from sim.bullet.probes import drop_probes
 from sim.bullet.shapes import PARKED_M
 from sim.bullet.world import dynamic_body, scaled
+from sim.joint_exercise import Articulation, ArticulationExercise, JointTask
 from sim.port import (
     DropResult,
     DropSettings,
@@ -128,6 +130,10 @@ class BulletSimulator:
     def grasp_and_lift(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
         """See `sim.port.Simulator`."""
         return grasp_and_lift(body, X_WA, task)
+
+    def exercise_joints(self, articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:
+        """See `sim.port.Simulator`."""
+        return exercise_joints(articulation, tasks)
 
     def _load(self, body: RigidBody, world: World) -> _Loaded:
         """Build ground and body in an empty world, and verify the engine's copy of the body."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from formats import link_poses, read_mjcf, read_urdf
-from formats.mechanism import MAX_LINKS, MechanismReading, read_mechanism, with_slide_limits
+from formats.mechanism import MAX_LINKS, MechanismReading, read_mechanism
 from geom.mechanism_pose import link_frames
 from schemas.diagnostics import InvalidInput
 from schemas.robot_description import RobotDescription
@@ -74,10 +74,6 @@ def test_reversed_limits_are_swapped_and_missing_ones_reported(tmp_path: Path) -
     free = reading_of(urdf(two, joint("j", "a", "b", "revolute")), tmp_path)
     assert present(free.mechanism).joints[0].kind == "continuous"
     assert [r.name for r in free.repairs] == ["free_hinge"]
-    slide = present(reading_of(urdf(two, joint("j", "a", "b", "prismatic")), tmp_path).mechanism)
-    mechanism, repairs = with_slide_limits(slide, 3.0)
-    assert (mechanism.joints[0].limits, mechanism.joints[0].limits_inferred) == ((-3.0, 3.0), True)
-    assert [r.name for r in repairs] == ["limit_by_size"]
 
 
 def test_at_rest_joints_stand_within_their_limits_followers_too(tmp_path: Path) -> None:

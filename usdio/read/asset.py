@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from pxr import Pcp, Tf, Usd, UsdGeom, UsdPhysics
 
-from formats.mechanism import with_slide_limits
+from formats.missing_limits import with_missing_limits
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.mechanism import Mechanism
 from schemas.model import Mesh, Model, Node
@@ -113,9 +113,8 @@ def _linked(
     """The meshes with their links, and the mechanism whose sliding joints all end somewhere."""
     if moving is None or moving.reading.mechanism is None:
         return meshes, None, ()
-    size = float(np.linalg.norm(np.ptp(np.concatenate([mesh.points for mesh in meshes]), axis=0)))
-    mechanism, repairs = with_slide_limits(moving.reading.mechanism, size)
     linked = [replace(m, link=moving.link_of[m.source_path]) for m in meshes if m.source_path in moving.link_of]
+    mechanism, repairs = with_missing_limits(moving.reading.mechanism, linked)
     return tuple(linked), mechanism, repairs
 
 

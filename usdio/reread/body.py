@@ -18,7 +18,7 @@ from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.mechanism import Mechanism
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 from usdio.contact_material import bound_contact_material
-from usdio.reread.mechanism import held, reread_mechanism
+from usdio.reread.mechanism import filtered_pairs, held, reread_mechanism
 from usdio.stage import open_stage
 
 _AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
@@ -30,7 +30,8 @@ class RereadPackage:
 
     `shape_contacts` has the contact of each shape of `body`; `visual_points` (n, 3) float64 and `visual_triangles`
     (m, 3) int32 are all rendered meshes merged. Of an articulated object `mechanism` has the joints, `links` the bodies
-    of its links, each in its own frame, in the same order; `body` is then the object with its joints held at rest.
+    of its links, each in its own frame, in the same order, `filtered_pairs` links that do not collide beside those that
+    a joint connects; `body` is then the object with its joints held at rest.
     """
 
     body: RigidBody
@@ -39,6 +40,7 @@ class RereadPackage:
     visual_triangles: IntArray
     mechanism: Mechanism | None = None
     links: tuple[RigidBody, ...] = ()
+    filtered_pairs: tuple[tuple[str, str], ...] = ()
 
     @property
     def bodies(self) -> tuple[RigidBody, ...]:
@@ -54,7 +56,9 @@ def reread_package(main_file: Path) -> RereadPackage:
         return RereadPackage(body_of(prim, main_file), _shape_contacts(prim, main_file), *_visual(stage))
     linkage, ordered = _linkage(stage, main_file)
     contacts = tuple(c for prim in ordered for c in _shape_contacts(prim, main_file))
-    return RereadPackage(linkage.held(), contacts, *_visual(stage), linkage.mechanism, linkage.links)
+    return RereadPackage(
+        linkage.held(), contacts, *_visual(stage), linkage.mechanism, linkage.links, filtered_pairs(ordered)
+    )
 
 
 @dataclass(frozen=True)

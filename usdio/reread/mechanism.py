@@ -63,6 +63,19 @@ def held(
     return RigidBody(name, tuple(shapes), mass, heaviest.contact)
 
 
+def filtered_pairs(bodies: list[Usd.Prim]) -> tuple[tuple[str, str], ...]:
+    """Names of bodies that do not collide with each other (UsdPhysicsFilteredPairsAPI), in the order of `bodies`."""
+    names = {prim.GetPath(): prim.GetName() for prim in bodies}
+    relations = [(prim.GetName(), prim.GetRelationship("physics:filteredPairs")) for prim in bodies]
+    return tuple(
+        (first, names[target])
+        for first, relation in relations
+        if relation
+        for target in relation.GetTargets()
+        if target in names
+    )
+
+
 def _joint(prim: Usd.Prim, frames: dict[str, FloatArray], main_file: Path) -> MechanismJoint:
     kind = _KINDS.get(str(prim.GetTypeName()))
     joint = UsdPhysics.Joint(prim)

@@ -13,7 +13,8 @@ from assetkit.readers.robot.shapes import SurfaceReader, shape_name, usable, vis
 from assetkit.readers.source_format import Reader
 from assetkit.sources.source_file import SourceFile
 from formats import read_mjcf, read_urdf
-from formats.mechanism import MechanismReading, read_mechanism, with_slide_limits
+from formats.mechanism import MechanismReading, read_mechanism
+from formats.missing_limits import with_missing_limits
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.evidence import declared
 from schemas.files.references import expected_path
@@ -43,16 +44,16 @@ def read_robot(source: SourceFile, mesh_readers: Mapping[str, Reader]) -> Outcom
         headline = f"the description has {count} shapes"
         raise InvalidInput(finding("asset/resource-limit", headline, where=where, value=count, bound=MOST_SHAPES_READ))
     if not any(shapes.values()):
+        _raise_problem(description)
         raise InvalidInput(finding("asset/empty-geometry", "no link has a shape", where=where))
     reading = read_mechanism(description, [name for name, visible in shapes.items() if visible])
     surfaces = SurfaceReader(source, mesh_readers, mesh_materials_count=description.format == "urdf")
     meshes = _meshes(description, reading, surfaces)
     surfaces.finish()
     masses, mass_repairs = stated_masses(description, reading.link_of, reading.X_ML, meshes)
-    points = np.concatenate([mesh.points for mesh in meshes])
-    mechanism, slide_repairs = reading.mechanism, tuple[Repair, ...]()
+    mechanism, joint_repairs = reading.mechanism, reading.repairs
     if mechanism is not None:
-        mechanism, slide_repairs = with_slide_limits(mechanism, float(np.linalg.norm(np.ptp(points, axis=0))))
+        mechanism, joint_repairs = with_missing_limits(mechanism, meshes, reading.repairs)
     name = description.format.upper()
     model = Model(
         meshes=meshes,
@@ -65,7 +66,7 @@ def read_robot(source: SourceFile, mesh_readers: Mapping[str, Reader]) -> Outcom
         masses=masses,
         mechanism=mechanism,
     )
-    repairs = (*surfaces.repairs, *_name_repairs(description), *reading.repairs, *mass_repairs, *slide_repairs)
+    repairs = (*surfaces.repairs, *_note_repairs(description), *joint_repairs, *mass_repairs)
     return Outcome(model, (*_notes(description), *reading.notes, *surfaces.diagnostics), repairs)
 
 
@@ -100,6 +101,13 @@ def _require_whole(description: RobotDescription) -> None:
             raise InvalidInput(finding("robot/unsupported-shape", headline, where=where, value=element.tag))
 
 
+def _raise_problem(description: RobotDescription) -> None:
+    """Raises InvalidInput for the first mesh that cannot be read, if there is one."""
+    meshes = [shape.mesh for link in description.links for shape in link.shapes if shape.mesh is not None]
+    for problem in (mesh.problem for mesh in meshes if mesh.problem is not None):
+        raise InvalidInput(problem.model_copy(update={"severity": Severity.ERROR}))
+
+
 def _notes(description: RobotDescription) -> list[Diagnostic]:
     """The description's own findings; errors about shapes count where a shape is used, else they only inform."""
     return [
@@ -110,9 +118,13 @@ def _notes(description: RobotDescription) -> list[Diagnostic]:
     ]
 
 
-def _name_repairs(description: RobotDescription) -> list[Repair]:
-    """A repair for every element of a name that was taken, and for attributes that engines ask for."""
-    answers = {"robot/duplicate-name": "first_of_name", "robot/missing-attribute": "default_attribute"}
+def _note_repairs(description: RobotDescription) -> list[Repair]:
+    """A repair for every name that was taken, attribute that engines ask for, and axis that is no unit vector."""
+    answers = {
+        "robot/duplicate-name": "first_of_name",
+        "robot/missing-attribute": "default_attribute",
+        "robot/axis-not-unit": "unit_axis",
+    }
     return [
         Repair(name=answers[n.code], code=n.code, stage=INTAKE, before={"finding": n.headline}, after={"finding": "-"})
         for n in description.notes

@@ -15,6 +15,7 @@ from typing import Any
 
 from lxml import etree
 
+from benchmarks.assets.fuzz.robot_defects import with_robot_defects
 from schemas.files.zip_damage import ZIP_DAMAGE
 
 Mutation = Callable[[Random, bytes], bytes]
@@ -258,6 +259,11 @@ def edit_xml(rng: Random, data: bytes) -> bytes:
     return etree.tostring(root)
 
 
+def edit_robot(rng: Random, data: bytes) -> bytes:
+    """One to three defects of robot descriptions (`with_robot_defects`)."""
+    return with_robot_defects(rng, data) or flip_bits(rng, data)
+
+
 def edit_package(rng: Random, data: bytes) -> bytes:
     """A USDZ whose entries are damaged, doubled, renamed or dropped; written again without compression."""
     try:
@@ -307,6 +313,8 @@ BY_SUFFIX: dict[str, tuple[Mutation, ...]] = {
     ".gltf": (*[edit_json] * 12, *TEXT, *BINARY),
     ".glb": (*[edit_json] * 12, *BINARY),
     ".dae": (*[edit_xml] * 10, *TEXT, *BINARY),
+    ".urdf": (*[edit_xml] * 6, *[edit_robot] * 12, *TEXT, *BINARY),
+    ".xml": (*[edit_xml] * 6, *[edit_robot] * 12, *TEXT, *BINARY),
     ".usda": (*TEXT, *TEXT, *TEXT, *BINARY),
     ".usdc": BINARY,
     ".usd": (*TEXT, *BINARY),

@@ -29,7 +29,8 @@ def examine(folder: Path, file: Path) -> dict[str, object]:
     broken: list[str] = []
     canonical_count = 0
     try:
-        candidates = [c for c in discover([folder]) if c.file.path == file] or discover([file])
+        candidates = [c for c in discover([folder]) if c.file.path == file]
+        candidates = candidates or (discover([file]) if file.exists() else [])
         if not candidates:
             return {"made": 0, "codes": ["(an empty folder)"], "broken": []}
         taken = ReadSource().run(candidates[0], Options())

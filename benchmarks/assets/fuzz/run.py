@@ -31,7 +31,8 @@ from jobs.warm import run_module, warm_cells
 
 LIMITS = Limits(seconds=30.0, memory_mb=8192)
 FULL_LIMITS = Limits(seconds=240.0, memory_mb=8192)
-MAX_SEED_BYTES = 120_000
+MAX_SEED_BYTES, MAX_ROBOT_BYTES = 120_000, 4_000_000  # of a folder; a description needs the meshes that it names
+ROBOTS = (".urdf", ".xml", ".mjcf")
 BUGS = {"asset/internal-error", "asset/package-invalid", *LOST_CODES.values()}
 _NAMES = ("part", "Ünï cödé", "with space", "x" * 200, "a'b", "semi;colon", "#1 %20", "..dots", "-rf", "new\nline")
 
@@ -58,7 +59,7 @@ def seeds_in(folders: list[Path]) -> list[Seed]:
             continue
         size = path.stat().st_size
         files = [p for p in root.rglob("*") if p.is_file()]
-        if len(files) > 40 or sum(p.stat().st_size for p in files) > MAX_SEED_BYTES:
+        if len(files) > 40 or sum(p.stat().st_size for p in files) > most_bytes(path):
             root = path.parent
             files = [path]
         if 0 < size <= MAX_SEED_BYTES and len(files) <= 40:
@@ -66,12 +67,17 @@ def seeds_in(folders: list[Path]) -> list[Seed]:
     return list(seeds.values())
 
 
+def most_bytes(file: Path) -> int:
+    """The most that the folder of a seed may hold."""
+    return MAX_ROBOT_BYTES if file.suffix.lower() in ROBOTS else MAX_SEED_BYTES
+
+
 def make_case(rng: Random, seed: Seed, folder: Path) -> tuple[Path, str]:
     """A damaged copy of `seed` in `folder`: the file to ingest and what was done to it."""
     folder.mkdir(parents=True)
     inner = seed.file.relative_to(seed.folder)
     small = [p for p in seed.folder.rglob("*") if p.is_file() and not p.is_symlink()]
-    if len(small) <= 40 and sum(p.stat().st_size for p in small) <= MAX_SEED_BYTES:
+    if len(small) <= 40 and sum(p.stat().st_size for p in small) <= most_bytes(seed.file):
         for path in small:
             target = folder / path.relative_to(seed.folder)
             target.parent.mkdir(parents=True, exist_ok=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,16 +10,20 @@ import pytest
 import trimesh
 from manifold3d import Manifold
 
+from assetkit.colliders.choose import choose_colliders
 from assetkit.mass.bounds import MAX_SPAN
 from assetkit.mass.estimate import mass_evidence
 from assetkit.mass.parts import MassEvidenceInputs
-from assetkit.physics.build import build_physics
+from assetkit.physics.build import build_physics, inertia_beyond
 from assetkit.taxonomy.material_classes import UNKNOWN_FULL, materials
 from geom.convex.support_function import surface
 from geom.features.cavities import find_cavities, keeps_cavity
-from geom.mass.inertia import is_physical
+from geom.mass.inertia import is_physical, of_box
 from geom.pose import apply, pose
+from schemas.diagnostics import Location
 from schemas.physics import CollisionShape, Solid
+from schemas.stated_physics import StatedMass
+from tests.support.package_samples import box_mesh, hull_shape
 from tests.support.present import present
 
 DATA = Path(__file__).parents[3].parent / "shared" / "data"
@@ -179,3 +184,37 @@ def test_a_scanned_pan_keeps_its_inside(tmp_path):
     assert len(cavities) == 1
     assert built.diagnostics == ()
     assert all(keeps_cavity(built.shapes, cavity) for cavity in cavities)
+
+
+def test_a_stated_inertia_that_reaches_beyond_the_colliders_is_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Colliders that leave out both ends of a bar: its true tensor would be refused by the gate."""
+    bar = box_mesh((1.0, 0.1, 0.1), source_path="/bar")
+    solid = Solid(bar.points, bar.triangles, "closed")
+    exact = of_box((1.0, 0.1, 0.1), 500.0)
+    spread = exact.inertia_kgm2 * np.diag([1.0, 2.0, 2.0])  # much of the mass at the ends
+    where = Location(file="test")
+    stated = StatedMass(
+        ("/bar",), 12, "test", where, mass_kg=exact.mass_kg, centre=np.array([0.0, 0.0, 0.05]), inertia=spread
+    )
+    inputs = MassEvidenceInputs(meshes=(bar,), as_read=(bar,), masses=(stated,))
+    whole = build_physics(solid, [], work_dir=tmp_path, mass_inputs=inputs)
+    assert whole.mass.inertia_kgm2 == pytest.approx(spread)
+    assert whole.repairs == ()
+
+    def short(*arguments: object) -> object:
+        chosen = choose_colliders(*arguments)  # pyright: ignore[reportArgumentType]
+        middle = box_mesh((0.7, 0.1, 0.1))
+        return replace(chosen, shapes=(hull_shape(middle),))
+
+    monkeypatch.setattr("assetkit.physics.build.choose_colliders", short)
+    cut = build_physics(solid, [], work_dir=tmp_path, mass_inputs=inputs)
+    assert cut.mass.mass_kg == pytest.approx(exact.mass_kg)
+    assert cut.mass.inertia_kgm2 == pytest.approx(exact.inertia_kgm2, rel=1e-6)
+    assert [r.name for r in cut.repairs] == ["implausible_inertia"]
+    (note,) = [d for d in cut.diagnostics if d.code == "asset/source-inertia-implausible"]
+    assert isinstance(note.value, float)
+    assert isinstance(note.bound, float)
+    assert note.value > note.bound > 0.0
+    assert inertia_beyond(cut.mass, cut.shapes) is None

@@ -10,7 +10,15 @@ from benchmarks.assets.fuzz.mutations import BY_SUFFIX, mutate
 from benchmarks.assets.fuzz.one_case import examine
 from benchmarks.assets.fuzz.run import make_case, seeds_in
 from tests.support.bad_inputs.assets import CUBE, gltf_json, obj_text, usda
+from tests.support.bad_inputs.robot import inertial, joint, link, mjcf, shape, urdf
 
+_HINGE = '<axis xyz="0 0 1"/><limit lower="0" upper="1" effort="1" velocity="1"/>'
+URDF = urdf(
+    link("a", shape('<box size="1 1 1"/>') + inertial(1.0)),
+    link("b", shape('<box size="1 1 1"/>')),
+    joint("j", "a", "b", "revolute", _HINGE),
+)
+MJCF = mjcf('<body pos="0 0 1"><joint axis="0 0 1" range="-1 1" damping="1"/><geom size="1" mass="1"/></body>\n')
 SAMPLES = {
     ".obj": obj_text(CUBE).encode(),
     ".gltf": json.dumps(gltf_json()).encode(),
@@ -20,6 +28,8 @@ SAMPLES = {
     ".dae": b"<COLLADA><asset><unit meter='1'/></asset><library_geometries/></COLLADA>",
     ".usda": b"#usda 1.0\ndef Cube 'c' {}\n",
     ".usdz": b"PK\x03\x04 no archive",
+    ".urdf": ("\n".join(URDF.values())).encode(),
+    ".xml": ("\n".join(MJCF.values())).encode(),
     ".mtl": b"newmtl a\nKd 1 0 0\n",
 }
 

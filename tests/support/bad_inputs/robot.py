@@ -56,6 +56,7 @@ SAMPLES: dict[str, Files] = {
     "robot/several-roots": urdf(AB),
     "robot/invalid-number": urdf(AB, joint("j", "a", "b", inside='<origin xyz="0 nan 0"/>')),
     "robot/zero-axis": urdf(AB, joint("j", "a", "b", inside='<axis xyz="0 0 0"/>')),
+    "robot/axis-not-unit": urdf(AB, joint("j", "a", "b", inside='<axis xyz="0 0 2"/>')),
     "robot/invalid-orientation": mjcf('<body euler="1 0 0" quat="1 0 0 0"/>\n'),
     "robot/invalid-value": urdf(AB, joint("j", "a", "b", "screw")),
     "robot/unknown-class": mjcf('<geom class="wood" size="1"/>\n'),
