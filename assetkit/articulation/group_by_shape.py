@@ -25,8 +25,8 @@ ON_MOVED = 0.85  # factor for a joint of a link that another joint moves
 LEAF_SHARE = 0.35  # thickness of a leaf, of its shorter side
 EDGE = 0.2  # the axis of a leaf or arm lies in the outer fifth of its width
 SELF_TURNING = 0.25  # offset of what turns about its own middle
-SMALL = 0.3  # diagonal of a knob or button, of that of what stays
-HALF_SIZE = 0.5  # up to this share it may still be a knob on a small thing
+# Longest edge of a knob or button, of the diagonal of what stays; up to the second share it may still be a knob.
+SMALL, HALF_SIZE = 0.25, 0.45
 ROUND = 2.2  # longest by shortest side across the axis of a knob; a bar on a round foot has less
 PLATFORM_HEIGHT, PLATFORM_WIDTH = 0.5, 0.4  # height of a platform of its width; its width of that of what stays
 ARM = 2.2  # length of an arm by its thickness
@@ -91,7 +91,7 @@ def pressed_position(view: JointView) -> float | None:
     """The end of the range at which a small sliding head is farthest inside; None for what is no such head."""
     moved, joint = view.moved, view.joint
     size = float(np.linalg.norm(np.ptp(view.fixed, axis=0)))
-    if moved.diagonal_m > SMALL * size or view.span > 1.2 * max(moved.extents_m) or view.span > 0.1 * size:
+    if max(moved.extents_m) > SMALL * size or view.span > 1.2 * max(moved.extents_m) or view.span > 0.1 * size:
         return None
     middle = moved.anchor + 0.5 * sum(moved.along_m) * joint.axis
     middle = middle + 0.5 * sum(moved.wide_m) * moved.wide + 0.5 * sum(moved.thin_m) * moved.thin
@@ -143,9 +143,9 @@ def _about_itself(view: JointView, up: float) -> tuple[dict[str, float], str]:
         return {"turntable": 0.65 if view.is_endless else 0.5}, "platform that turns about its upright axis"
     if _half_chance(view, at_edge=False):
         return {"folding": 0.4}, "crossing halves of like size"
-    if moved.diagonal_m <= HALF_SIZE * size and roundness <= ROUND:
-        return {"knob": 0.6 if moved.diagonal_m <= SMALL * size else 0.4}, "small thing that turns about its own axis"
-    if moved.diagonal_m <= SMALL * size and not view.is_endless and view.span <= math.radians(60.0):
+    if max(moved.extents_m) <= HALF_SIZE * size and roundness <= ROUND:
+        return {"knob": 0.6 if max(moved.extents_m) <= SMALL * size else 0.4}, "small thing that turns about its own axis"
+    if max(moved.extents_m) <= SMALL * size and not view.is_endless and view.span <= math.radians(60.0):
         return {"lever": 0.4}, "small rocker between two stops"
     return {}, "turns about its own axis, but is no knob or platform"
 

@@ -6,7 +6,6 @@ Everything in the asset frame at rest, metres and radians. Swept volumes follow 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from assetkit.articulation.contact import MovedLink, find_contact
@@ -55,7 +54,7 @@ def _use(item: ArticulatedObject, view: JointView) -> JointUse:
         joint.child,
         next(s.solid for s in item.links if s.link == joint.child),
         tuple(m for m in item.meshes if m.link == joint.child and len(m.triangles)),
-        _parts_on(item.parts, item.meshes, joint.child),
+        tuple(p for p in item.parts if p.value.link == joint.child),
     )
     return JointUse(
         joint=joint.name,
@@ -66,8 +65,3 @@ def _use(item: ArticulatedObject, view: JointView) -> JointUse:
         contact=find_contact(view, moved, group.value, sense),
     )
 
-
-def _parts_on(parts: Sequence[Evidence[Part]], meshes: Sequence[Mesh], link: str) -> tuple[Evidence[Part], ...]:
-    """The parts whose triangles are all on one link."""
-    link_of = {mesh.id: mesh.link for mesh in meshes}
-    return tuple(p for p in parts if {link_of.get(faces.mesh, "") for faces in p.value.faces} == {link})

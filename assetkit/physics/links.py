@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from assetkit.articulation.swept_volumes import swept_volumes
 from assetkit.mass.parts import MassEvidenceInputs
 from assetkit.physics.build import PhysicsResult, build_physics
 from assetkit.stage import LinkSurface, Physics
@@ -76,6 +77,7 @@ def link_physics(
         tuple(shape_surfaces),
         tuple(bodies),
         _filtered_pairs(parts),
+        swept_volumes(mechanism, {part.link.name: part.result.shapes for part in parts}),
     )
     notes: dict[str, Diagnostic] = {d.model_dump_json(): d for p in parts for d in p.result.diagnostics}
     review = any(p.result.section.collider_misses_bounds for p in parts)

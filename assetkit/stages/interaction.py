@@ -1,8 +1,10 @@
-"""Stage 5, interaction: parts with labels and materials, front and proposed anchors, in the asset frame."""
+"""Stage 5, interaction: parts with labels and materials, front, uses of joints, proposed anchors; asset frame."""
 
 from __future__ import annotations
 
 from assetkit.affordances.anchors import propose_anchors
+from assetkit.articulation.joint_uses import ArticulatedObject, joint_uses
+from assetkit.articulation.link_anchors import propose_link_anchors
 from assetkit.materials.part_materials import part_materials
 from assetkit.options import Options
 from assetkit.parts.find import find_parts
@@ -13,14 +15,16 @@ from assetkit.stage import Appearance, Canonical, Draft, Interaction, Semantics,
 from geom.features.cavities import find_cavities
 from jobs.cell import Limits
 from schemas.diagnostics import finding
+from schemas.evidence import Evidence
 from schemas.outcome import Outcome
+from schemas.parts import Part
 
 
 class ProposeParts(Stage):
     """Parts with their labels, in `review` where a role depends on a disputed one. Acceptance verifies the anchors."""
 
     name = "interaction"
-    version = 12
+    version = 13
     result = Interaction
     reads = (Canonical, Appearance, Semantics)
 
@@ -44,11 +48,26 @@ class ProposeParts(Stage):
         parts, material = part_materials(
             meshes, draft.model, labelled, category, draft.source_name, draft.intake.folders
         )
-        anchors = propose_anchors(canonical.solid, cavities)
+        articulated = _articulated(canonical, parts, section.interaction_group)
+        uses = joint_uses(articulated) if articulated is not None else ()
+        anchors = (
+            propose_link_anchors(articulated, uses)
+            if articulated is not None
+            else propose_anchors(canonical.solid, cavities)
+        )
         known_front = draft.frame.front if draft.frame is not None else None
         front = known_front or front_of(meshes, category, labelled, cavities)
         review = bool(disputed_parts(labelled, section.roles))
-        return Outcome(Interaction(parts, material, anchors, cavities, front), tuple(diagnostics), review=review)
+        return Outcome(Interaction(parts, material, anchors, cavities, front, uses), tuple(diagnostics), review=review)
+
+
+def _articulated(
+    canonical: Canonical, parts: tuple[Evidence[Part], ...], usual_group: Evidence[str] | None
+) -> ArticulatedObject | None:
+    """The object as the uses of its joints are read from it; None for a rigid one."""
+    if canonical.mechanism is None:
+        return None
+    return ArticulatedObject(canonical.mechanism, canonical.links, canonical.meshes, parts, usual_group)
 
 
 def _segmenter(options: Options) -> CommandSegmenter | None:

@@ -24,6 +24,8 @@ from schemas.arrays import FloatArray, IntArray
 
 # A step of a turn: an arc of 10 degrees lies within 0.4 % of its radius of the triangle around it.
 STEP_RAD = math.radians(10.0)
+# Where only a bound on the speed is known: the way within a step, of the size of the body; steps at most.
+BOUND_STEP, MOST_STEPS = 0.05, 200
 LAYERS = 24
 # Outlines may gain this share of the object's size: what is rounded, and small detail, stays inside.
 SPARE_SHARE = 1e-3
@@ -93,8 +95,15 @@ def swept_prisms(sweeps: Sequence[Sweep]) -> tuple[tuple[Prism, ...], float]:
 def _hulls(sweep: Sweep) -> list[tuple[FloatArray, IntArray]]:
     """Corners (n, 3) and edges (k, 2) of convex bodies that together contain the sweep."""
     low, high = sweep.limits
-    turns = sweep.axis is not None
-    count = max(1, math.ceil((high - low) / STEP_RAD - 1e-9)) if turns or not sweep.exact else 1
+    if not sweep.exact:
+        size = float(np.linalg.norm(np.ptp(sweep.corners, axis=0)))
+        count = math.ceil(sweep.speed * (high - low) / max(BOUND_STEP * size, 1e-9))
+    elif sweep.axis is not None:
+        high = min(high, low + 2.0 * math.pi)  # more than one turn sweeps no more
+        count = math.ceil((high - low) / STEP_RAD - 1e-9)
+    else:
+        count = 1
+    count = min(max(count, 1), MOST_STEPS)
     stations = np.linspace(low, high, count + 1)
     return [_hull(_within_step(sweep, float(a), float(b))) for a, b in itertools.pairwise(stations)]
 
