@@ -14,6 +14,7 @@ import numpy as np
 
 from assetkit.articulation.joint_view import JointView
 from geom.articulation.closed_position import ClosedPosition
+from geom.articulation.moved_shape import box_around, level_heading
 from geom.pose import apply
 from schemas.arrays import FloatArray
 
@@ -29,13 +30,15 @@ SELF_TURNING = 0.25  # offset of what turns about its own middle
 SMALL, HALF_SIZE = 0.25, 0.45
 ROUND = 2.2  # longest by shortest side across the axis of a knob; a bar on a round foot has less
 PLATFORM_HEIGHT, PLATFORM_WIDTH = 0.5, 0.4  # height of a platform of its width; its width of that of what stays
-ARM = 2.2  # length of an arm by its thickness
+# Length of an arm by its breadth, where that is at most so many times its thickness; and of a flat strip.
+ARM, BAR, STRIP = 2.2, 4.0, 6.0
 ARM_TURN = math.radians(200.0)
 # Shares of a drawer within the outline of the body: what comes out from shut to open; across its way; along it when shut.
 OUT_SHARE, WITHIN_ACROSS, WITHIN_ALONG = 0.15, 0.6, 0.5
 ROD = 0.15  # what is thinner across its way than this share of its length is a rod, no drawer
+COVER_SHARE = 0.1  # of the footprint of what stays: a lid covers more, a pedal less
 GROUND = 0.02  # of the height of the object: a wheel touches the ground
-LIKE = 0.6  # the edges of two halves of like size differ by less than this ratio
+LIKE = 0.6  # the two longer edges of two thin halves of like size differ by less than this ratio
 ALONG_LEAF = 0.3  # |z| of the normal of an upright leaf
 
 
@@ -65,7 +68,8 @@ def _sliding(view: JointView, shut: ClosedPosition | None) -> tuple[dict[str, fl
     press = pressed_position(view)
     if press is not None:
         at_rest_out = abs(view.joint.rest - press) > 0.5 * view.span
-        return ({"button": 0.65}, "small head that goes into the body") if at_rest_out else ({}, "small, starts inside")
+        chance = 0.65 if _is_small(view) else 0.45
+        return ({"button": chance}, "small head that goes into the body") if at_rest_out else ({}, "starts inside")
     thickness = moved.core_thin_m / max(min(moved.width_m, moved.length_m), 1e-9)
     is_leaf = thickness <= LEAF_SHARE and abs(float(moved.thin[2])) <= ALONG_LEAF
     comes_out = (
@@ -91,7 +95,7 @@ def pressed_position(view: JointView) -> float | None:
     """The end of the range at which a small sliding head is farthest inside; None for what is no such head."""
     moved, joint = view.moved, view.joint
     size = float(np.linalg.norm(np.ptp(view.fixed, axis=0)))
-    if max(moved.extents_m) > SMALL * size or view.span > 1.2 * max(moved.extents_m) or view.span > 0.1 * size:
+    if max(moved.extents_m) > HALF_SIZE * size or view.span > 1.2 * max(moved.extents_m) or view.span > 0.1 * size:
         return None
     middle = moved.anchor + 0.5 * sum(moved.along_m) * joint.axis
     middle = middle + 0.5 * sum(moved.wide_m) * moved.wide + 0.5 * sum(moved.thin_m) * moved.thin
@@ -144,8 +148,8 @@ def _about_itself(view: JointView, up: float) -> tuple[dict[str, float], str]:
     if _half_chance(view, at_edge=False):
         return {"folding": 0.4}, "crossing halves of like size"
     if max(moved.extents_m) <= HALF_SIZE * size and roundness <= ROUND:
-        return {"knob": 0.6 if max(moved.extents_m) <= SMALL * size else 0.4}, "small thing that turns about its own axis"
-    if max(moved.extents_m) <= SMALL * size and not view.is_endless and view.span <= math.radians(60.0):
+        return {"knob": 0.6 if _is_small(view) else 0.4}, "small thing that turns about its own axis"
+    if max(moved.extents_m) <= HALF_SIZE * size and not view.is_endless and view.span <= math.radians(60.0):
         return {"lever": 0.4}, "small rocker between two stops"
     return {}, "turns about its own axis, but is no knob or platform"
 
@@ -157,6 +161,8 @@ def _level_leaf(view: JointView, shut: ClosedPosition | None) -> tuple[dict[str,
     normal = turn[:3, :3] @ moved.thin
     if abs(float(normal[2])) > math.sin(math.radians(45.0)):
         points = apply(turn, moved.points)
+        if _footprint(points) < COVER_SHARE * _footprint(view.fixed):
+            return {"lever": 0.35, "hinged_lid": 0.2}, "small level leaf that turns about a level edge"
         on_top = float(points[:, 2].mean()) > float(np.quantile(view.fixed[:, 2], 0.5))
         return {"hinged_lid": 0.65 if on_top else 0.4}, "level leaf that turns about a level edge"
     points = apply(turn, moved.points)
@@ -166,11 +172,16 @@ def _level_leaf(view: JointView, shut: ClosedPosition | None) -> tuple[dict[str,
     return {"hinged_lid": 0.5, "hinged_door": 0.35}, "upright leaf that turns up about its upper edge"
 
 
+def _is_small(view: JointView) -> bool:
+    """Whether the moved link is small beside what stays."""
+    return max(view.moved.extents_m) <= SMALL * float(np.linalg.norm(np.ptp(view.fixed, axis=0)))
+
+
 def _is_arm(view: JointView) -> bool:
-    """Whether the moved link is long across the axis and slim in both other directions."""
-    moved = view.moved
-    other = max(moved.length_m, moved.thickness_m)
-    return moved.width_m >= ARM * other
+    """Whether the moved link is long across the axis and slim in both other directions, like a bar, not a board."""
+    thin, other = sorted((view.moved.length_m, view.moved.thickness_m))
+    ratio = view.moved.width_m / max(other, 1e-9)
+    return ratio >= STRIP or (ratio >= ARM and other <= BAR * thin)
 
 
 def _is_wheel(view: JointView) -> bool:
@@ -189,7 +200,8 @@ def _half_chance(view: JointView, at_edge: bool) -> float:
     moved = view.moved
     R_AM = np.stack([moved.axis, moved.wide, moved.thin])
     ours, theirs = np.sort(np.ptp(moved.points @ R_AM.T, axis=0)), np.sort(_own_box(view.parent))
-    if not ((ours >= LIKE * theirs) & (theirs >= LIKE * ours)).all() or theirs[0] > LEAF_SHARE * theirs[1]:
+    alike = ((ours >= LIKE * theirs) & (theirs >= LIKE * ours))[1:].all()
+    if not alike or max(ours[0] / ours[1], theirs[0] / theirs[1]) > LEAF_SHARE:
         return 0.0
     local = view.parent - moved.anchor
     across = local - (local @ moved.axis)[:, None] * moved.axis
@@ -200,6 +212,11 @@ def _half_chance(view: JointView, at_edge: bool) -> float:
         inside = _share_in_box(moved.points, view.parent)
         return 0.6 if parent_offset > SELF_TURNING and inside < 0.5 else 0.0
     return 0.4 if parent_offset <= SELF_TURNING and moved.width_m > ARM * moved.thickness_m else 0.0
+
+
+def _footprint(points: FloatArray) -> float:
+    """Area of the upright box around points (n, 3), seen from above."""
+    return float(np.prod(box_around(points, level_heading(points))[:2]))
 
 
 def _own_box(points: FloatArray) -> FloatArray:

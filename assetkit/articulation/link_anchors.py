@@ -126,7 +126,7 @@ def _free_surface(support: SupportFace, others: _Others, breadth: float) -> Supp
     part = max(shapely.get_parts(polygon), key=shapely.area, default=None)
     if not isinstance(part, shapely.Polygon) or part.area < AREA_SHARE * breadth**2:
         return None
-    if part.buffer(-0.5 * DISC_SHARE * breadth).is_empty or part.area < (1.0 - MOST_BLOCKED) * support.polygon.area:
+    if part.buffer(-DISC_SHARE * breadth).is_empty or part.area < (1.0 - MOST_BLOCKED) * support.polygon.area:
         return None
     places = _places(part)
     above = others.room_above(np.column_stack([places, np.full(len(places), support.height_m + step)])) + step
