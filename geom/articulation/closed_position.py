@@ -20,7 +20,7 @@ STEPS = 24  # positions over the range
 TIE_SHARE = 0.05
 # Of the smallest box: a growth below it says nothing. A door of a large kitchen may stay within the box.
 LEAST_GROWTH = 0.02
-BOTH_ENDS_SHARE = 0.5  # of the growth: where both ends grow that much, the joint opens both ways
+BOTH_ENDS_SHARE = 0.3  # of the growth: where both ends grow that much, the joint opens both ways
 
 
 @dataclass(frozen=True)

@@ -22,13 +22,13 @@ from shapely.geometry.base import BaseGeometry
 from geom.pose import apply
 from schemas.arrays import FloatArray, IntArray
 
-# A step of a turn: an arc of 10 degrees lies within 0.4 % of its radius of the triangle around it.
-STEP_RAD = math.radians(10.0)
+# A step of a turn: an arc of 7.5 degrees lies within 0.2 % of its radius of the triangle around it.
+STEP_RAD = math.radians(7.5)
 # Where only a bound on the speed is known: the way within a step, of the size of the body; steps at most.
 BOUND_STEP, MOST_STEPS = 0.05, 200
 LAYERS = 24
 # Outlines may gain this share of the object's size: what is rounded, and small detail, stays inside.
-SPARE_SHARE = 1e-3
+SPARE_SHARE = 4e-4
 LEAST_SPARE_M = 2e-6  # above the rounding of single precision and of the record, for things of a few metres
 MERGE_SHARE = 1e-3  # of the area: neighbouring layers that differ by less are one
 
