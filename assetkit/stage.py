@@ -137,7 +137,8 @@ class Semantics:
 class Interaction:
     """Parts of the object and its front; anchors are proposals until acceptance. `cavities` are the openings of the
     solid, for later stages. `material` is the material of the whole object, by names, use and surface appearance.
-    `joint_uses` are those of an articulated object, without swept volumes.
+    `joint_uses` are those of an articulated object, without swept volumes; `link_cavities` the openings of the solids
+    of its links by name, as far as they were looked for.
     """
 
     parts: tuple[Evidence[Part], ...] = ()
@@ -146,6 +147,7 @@ class Interaction:
     cavities: tuple[Cavity, ...] = ()
     front: Front | None = None
     joint_uses: tuple[JointUse, ...] = ()
+    link_cavities: dict[str, tuple[Cavity, ...]] = field(default_factory=dict[str, tuple[Cavity, ...]])
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,9 @@ def verify_anchors(
     trials = try_anchors(proposed, fixed, simulator)
     pairs = list(zip(proposed, trials, strict=True))
     holding = [verified_anchor(anchor, trial, simulator.name) for anchor, trial in pairs if trial.holds]
-    return VerifiedAnchors(tuple(holding), tuple(unverified(anchor, trial) for anchor, trial in pairs if not trial.holds))
+    return VerifiedAnchors(
+        tuple(holding), tuple(unverified(anchor, trial) for anchor, trial in pairs if not trial.holds)
+    )
 
 
 def try_anchors(

@@ -189,9 +189,7 @@ def _edge(view: JointView, link: MovedLink, group: str, outward: FloatArray) -> 
     return _Region("edge", edge, None, sure, "the edge farthest from the axis")
 
 
-def _edge_middle(
-    view: JointView, region: _Region, group: str, outward: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _edge_middle(view: JointView, region: _Region, group: str, outward: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Position and normal (3,) on a region without a grip; of what turns about itself on its rim."""
     if group in ("knob", "turntable"):
         local = region.points - view.joint.anchor

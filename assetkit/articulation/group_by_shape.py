@@ -33,7 +33,7 @@ PLATFORM_HEIGHT, PLATFORM_WIDTH = 0.5, 0.4  # height of a platform of its width;
 # Length of an arm by its breadth, where that is at most so many times its thickness; and of a flat strip.
 ARM, BAR, STRIP = 2.2, 4.0, 6.0
 ARM_TURN = math.radians(200.0)
-# Shares of a drawer within the outline of the body: what comes out from shut to open; across its way; along it when shut.
+# Shares of a drawer within the outline of the body: what comes out until it is open; across its way; along it if shut.
 OUT_SHARE, WITHIN_ACROSS, WITHIN_ALONG = 0.15, 0.6, 0.5
 ROD = 0.15  # what is thinner across its way than this share of its length is a rod, no drawer
 COVER_SHARE = 0.1  # of the footprint of what stays: a lid covers more, a pedal less

@@ -62,9 +62,7 @@ def _groups_in(name: str) -> Iterator[tuple[str, float]]:
 
 def moved_words() -> dict[str, tuple[str, ...]]:
     """Names of the moved part of each group: the words of the table and the first of its parts."""
-    return {
-        group.id: tuple(dict.fromkeys((*group.words, group.parts[0]))) for group in interaction_groups().values()
-    }
+    return {group.id: tuple(dict.fromkeys((*group.words, group.parts[0]))) for group in interaction_groups().values()}
 
 
 def _ends_of(phrase: Sequence[str], words: Sequence[str]) -> Iterator[int]:

@@ -6,11 +6,13 @@ Independent clues for one group add up as a noisy or (Pearl 1988, section 4.3.2)
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 
 from assetkit.articulation.group_by_shape import ShapeReading
 from assetkit.articulation.group_by_words import WordReading
 from assetkit.taxonomy.tables import interaction_groups
 from schemas.articulation import JointTask
+from schemas.asset import Role
 from schemas.evidence import Evidence, default, inferred
 from schemas.mechanism import MechanismJointKind
 
@@ -21,17 +23,16 @@ LEAD = 0.12  # the best group must lead by this much, and be this sure:
 LEAST = 0.3
 RIVAL_SHARE = 0.5  # of the second group's chance is taken from the first one's confidence
 
-TASKS: dict[str, JointTask] = {
-    "drawer": "open",
-    "hinged_door": "open",
-    "sliding_door": "open",
-    "hinged_lid": "open",
-    "folding": "open",
-    "knob": "turn",
-    "lever": "turn",
-    "turntable": "turn",
-    "button": "press",
-}
+ROLE_OF_TASK: dict[JointTask, Role] = {"open": "openable", "turn": "turnable", "press": "pressable"}
+
+
+@cache
+def tasks() -> dict[str, JointTask]:
+    """The task of each group, by the roles that the table gives to things of the group."""
+    return {
+        group.id: next(task for task, role in ROLE_OF_TASK.items() if role in group.roles)
+        for group in interaction_groups().values()
+    }
 
 
 def decide_group(
@@ -67,12 +68,10 @@ def decide_group(
 
 def task_of(group: str, *, angular: bool) -> JointTask:
     """What is done with a joint of a group; of an unknown one, whether it turns or opens."""
-    return TASKS.get(group, "turn" if angular else "open")
+    return tasks().get(group, "turn" if angular else "open")
 
 
-def _combined(
-    shape: Mapping[str, float], words: Mapping[str, float], usual: str, support: float
-) -> dict[str, float]:
+def _combined(shape: Mapping[str, float], words: Mapping[str, float], usual: str, support: float) -> dict[str, float]:
     """Noisy or of the chances by group; a word for a group that geometry excludes counts less."""
     chances: dict[str, float] = {}
     for group in {**shape, **words}:

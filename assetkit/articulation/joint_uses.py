@@ -13,7 +13,7 @@ from assetkit.articulation.group_by_shape import read_shape
 from assetkit.articulation.group_by_words import read_words
 from assetkit.articulation.interaction_group import decide_group, task_of
 from assetkit.articulation.joint_view import JointView, joint_views
-from assetkit.articulation.opening import find_opening
+from assetkit.articulation.ends_of_use import find_ends
 from assetkit.stage import LinkSurface
 from geom.articulation.closed_position import closed_position
 from schemas.articulation import JointUse
@@ -48,8 +48,8 @@ def _use(item: ArticulatedObject, view: JointView) -> JointUse:
     if not view.is_endless:
         shut = closed_position(view.moved.points, view.fixed, view.motion, view.limits, joint.rest)
     group = decide_group(read_shape(view, shut), read_words(joint, link), item.usual_group, joint.kind)
-    opening = find_opening(view, group.value, shut)
-    sense = 1 if opening.open.value >= opening.closed.value else -1
+    ends = find_ends(view, group.value, shut)
+    sense = 1 if ends.open.value >= ends.closed.value else -1
     moved = MovedLink(
         joint.child,
         next(s.solid for s in item.links if s.link == joint.child),
@@ -60,8 +60,7 @@ def _use(item: ArticulatedObject, view: JointView) -> JointUse:
         joint=joint.name,
         group=group,
         task=task_of(group.value, angular=joint.is_angular),
-        closed=opening.closed,
-        open=opening.open,
+        closed=ends.closed,
+        open=ends.open,
         contact=find_contact(view, moved, group.value, sense),
     )
-

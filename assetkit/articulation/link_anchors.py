@@ -6,7 +6,7 @@ on. Room that other links take at rest is left out: the floor below a closed dra
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +27,7 @@ from geom.pose import UP, apply
 from schemas.anchors import Anchor
 from schemas.arrays import FloatArray
 from schemas.articulation import JointUse
+from schemas.physics import Solid
 
 MOST_BLOCKED = 0.5  # of a surface or volume: the room that other links take at rest
 DOORS = ("hinged_door", "sliding_door", "hinged_lid")
@@ -34,22 +35,36 @@ BEYOND = 0.1  # of the object's diagonal: a shut door lies within it before the 
 _GRID = 12  # positions each way by which blocked room over a surface is measured
 
 
-def propose_link_anchors(item: ArticulatedObject, uses: Sequence[JointUse]) -> tuple[Anchor, ...]:
-    """Anchors of all links in their order: volumes, the largest first, then surfaces, the main one first."""
-    whole = np.concatenate([s.solid.points for s in item.links])
-    breadth = float(np.sqrt(shapely.MultiPoint(whole[:, :2]).convex_hull.area))
+def cavities_of_links(links: Sequence[LinkSurface]) -> dict[str, tuple[Cavity, ...]]:
+    """The openings of the links, by name, whose footprint is broad enough to hold an anchor of the whole object."""
+    breadth = _breadth(links)
+    return {s.link: find_cavities(s.solid) for s in links if _is_broad(s.solid, breadth)}
+
+
+def propose_link_anchors(
+    item: ArticulatedObject, uses: Sequence[JointUse], cavities: Mapping[str, Sequence[Cavity]]
+) -> tuple[Anchor, ...]:
+    """Anchors of the links with known `cavities`: volumes, the largest first, then surfaces, the main one first."""
+    breadth = _breadth(item.links)
     anchors: list[Anchor] = []
     for surface in item.links:
-        if surface.solid.kind == "hull" or not _is_broad(surface.solid.points, breadth):
+        if surface.link not in cavities:
             continue
         others = _Others([s for s in item.links if s.link != surface.link])
-        anchors += _of_link(item, uses, surface, others, breadth)
+        anchors += _of_link(item, uses, surface, cavities[surface.link], others, breadth)
     return tuple(anchors)
 
 
-def _is_broad(points: FloatArray, breadth: float) -> bool:
-    """Whether the footprint of a link can hold any anchor of an object of this breadth."""
-    return float(np.prod(np.ptp(points[:, :2], axis=0))) >= AREA_SHARE * breadth**2
+def _breadth(links: Sequence[LinkSurface]) -> float:
+    """Root of the area of the hull of the footprint of all links."""
+    whole = np.concatenate([s.solid.points for s in links])
+    return float(np.sqrt(shapely.MultiPoint(whole[:, :2]).convex_hull.area))
+
+
+def _is_broad(solid: Solid, breadth: float) -> bool:
+    """Whether a link can hold any anchor of an object of this breadth; of a hull the inside is unknown."""
+    footprint = float(np.prod(np.ptp(solid.points[:, :2], axis=0)))
+    return solid.kind != "hull" and footprint >= AREA_SHARE * breadth**2
 
 
 class _Others:
@@ -72,10 +87,14 @@ class _Others:
 
 
 def _of_link(
-    item: ArticulatedObject, uses: Sequence[JointUse], surface: LinkSurface, others: _Others, breadth: float
+    item: ArticulatedObject,
+    uses: Sequence[JointUse],
+    surface: LinkSurface,
+    cavities: Sequence[Cavity],
+    others: _Others,
+    breadth: float,
 ) -> Iterator[Anchor]:
     link, solid = surface.link, surface.solid
-    cavities = find_cavities(solid)
     upward = find_containments(solid, cavities)
     behind_doors = [c for c in find_side_compartments(solid, cavities) if _has_door(item, uses, link, c.cavity)]
     volumes = sorted((*upward, *behind_doors), key=lambda c: -c.volume_m3)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from schemas.articulation import JointTask, JointUse
-from schemas.asset import Role
+from assetkit.articulation.interaction_group import ROLE_OF_TASK
+from schemas.articulation import JointUse
 from schemas.evidence import Evidence, inferred
-
-ROLE_OF_TASK: dict[JointTask, Role] = {"open": "openable", "turn": "turnable", "press": "pressable"}
 
 
 def roles_of_joints(uses: Sequence[JointUse]) -> tuple[Evidence[str], ...]:

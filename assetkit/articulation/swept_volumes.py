@@ -49,9 +49,7 @@ def with_swept_volumes(uses: Sequence[JointUse], swept: Mapping[str, SweptVolume
     return tuple(use.model_copy(update={"swept": swept.get(use.joint)}) for use in uses)
 
 
-def _sweeps(
-    mechanism: Mechanism, joint: MechanismJoint, link: str, shapes: Sequence[CollisionShape]
-) -> list[Sweep]:
+def _sweeps(mechanism: Mechanism, joint: MechanismJoint, link: str, shapes: Sequence[CollisionShape]) -> list[Sweep]:
     """The motions of the shapes of one link under a joint; none where it stays."""
     limits = joint.limits or (joint.rest, joint.rest + 2.0 * math.pi)
     rates = _rates(mechanism, joint, limits)

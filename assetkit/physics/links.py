@@ -19,6 +19,7 @@ from assetkit.physics.build import PhysicsResult, build_physics
 from assetkit.stage import LinkSurface, Physics
 from geom.convex.penetration import box_overlap, penetration_depth
 from geom.convex.support_function import surface
+from geom.features.cavities import Cavity
 from geom.mass.inertia import combine
 from schemas.arrays import FloatArray
 from schemas.asset import LinkSection, PhysicsSection, matrix3, vec3
@@ -48,15 +49,26 @@ def link_physics(
     names: Sequence[str],
     contacts: Sequence[StatedContact],
     work_dir: Path,
+    cavities: Mapping[str, tuple[Cavity, ...]] | None = None,
 ) -> Outcome[Physics]:
-    """Physics of all links and of the whole; a person looks where the collider of a link misses its bounds."""
+    """Physics of all links and of the whole; a person looks where the collider of a link misses its bounds.
+
+    `cavities` are those of the solids of links, by name, where they are known.
+    """
     by_name = {s.link: s for s in surfaces}
     parts: list[_LinkPhysics] = []
     for link in mechanism.links:
         inputs = _of_link(mass_inputs, link.name, by_name[link.name])
         folder = work_dir / link.name
         folder.mkdir(parents=True, exist_ok=True)
-        result = build_physics(by_name[link.name].solid, names, work_dir=folder, mass_inputs=inputs, contacts=contacts)
+        result = build_physics(
+            by_name[link.name].solid,
+            names,
+            work_dir=folder,
+            mass_inputs=inputs,
+            contacts=contacts,
+            cavities=None if cavities is None else cavities.get(link.name),
+        )
         parts.append(_LinkPhysics(link, result, result.section.mass_kg.value / result.section.density_kgm3.value))
     heaviest = max(parts, key=lambda p: p.result.mass.mass_kg)
     surface_list = list(dict.fromkeys(s for p in (heaviest, *parts) for s in _surfaces(p.result)))

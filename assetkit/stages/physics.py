@@ -30,6 +30,7 @@ class AuthorPhysics(Stage):
                 names=[draft.source_name],
                 contacts=draft.intake.model.contacts,
                 work_dir=folder,
+                cavities=draft.interaction.link_cavities if draft.interaction else None,
             )
         built = build_physics(
             canonical.solid,

@@ -62,11 +62,8 @@ def closed_position(
     closed = _preferred(shut, rest, low, high)
     at_low, at_high = float(boxes[0] - least), float(boxes[-1] - least)
     both = min(at_low, at_high) >= BOTH_ENDS_SHARE * (most - least) and low < closed < high
-    if both:
-        is_open = high if high - closed >= closed - low else low
-    else:
-        is_open = high if at_high > at_low else low
-    return ClosedPosition(closed, is_open, growth, both)
+    opens_high = high - closed >= closed - low if both else at_high > at_low
+    return ClosedPosition(closed, high if opens_high else low, growth, both)
 
 
 def _preferred(shut: FloatArray, rest: float, low: float, high: float) -> float:

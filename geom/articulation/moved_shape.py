@@ -6,6 +6,7 @@ object turns about z, when the axis is reversed, or when the links are renamed.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +28,7 @@ class MovedShape:
 
     points           (n, 3) samples of its surface, by area.
     along_m          lowest and highest coordinate along the axis, from the anchor.
-    wide, thin       (3,) unit vectors across the axis: the long and the short side of the narrowest rectangle around it.
+    wide, thin       (3,) unit vectors across the axis: long and short side of the narrowest rectangle around it.
     wide_m, thin_m   lowest and highest coordinate along these, from the axis.
     core_thin_m      extent along `thin` of the middle 80 % of the surface: of a leaf without its handle.
     radius_m         greatest distance of a point from the axis.
@@ -138,11 +139,11 @@ def _narrowest_rectangle(flat: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Directions (2,) of the long and the short side of the rectangle of least area around points (n, 2)."""
     hull = shapely.MultiPoint(flat).convex_hull
     corners = shapely.get_coordinates(hull.minimum_rotated_rectangle)
-    if len(corners) < 4:  # all on one line, or one point
-        line = np.ptp(flat, axis=0)
-        along = line / np.linalg.norm(line) if np.linalg.norm(line) > 0.0 else np.array([1.0, 0.0])
-        return along, np.array([-along[1], along[0]])
-    one, other = corners[1] - corners[0], corners[2] - corners[1]
-    wide = one if np.linalg.norm(one) >= np.linalg.norm(other) else other
-    wide = wide / np.linalg.norm(wide)
-    return wide, np.array([-wide[1], wide[0]])
+    if len(corners) >= 4:
+        sides = np.diff(corners[:3], axis=0)
+        wide = sides[int(np.hypot(sides[:, 0], sides[:, 1]).argmax())]
+    else:  # all on one line, or one point
+        wide = flat.max(axis=0) - flat.min(axis=0)
+    heading = math.atan2(float(wide[1]), float(wide[0]))
+    x, y = math.cos(heading), math.sin(heading)
+    return np.array([x, y]), np.array([-y, x])

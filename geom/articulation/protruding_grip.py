@@ -8,8 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from geom.mesh.surface_distance import sample_surface
 from schemas.arrays import BoolArray, FloatArray
@@ -36,9 +37,7 @@ class Grip:
     is_knob: bool
 
 
-def find_grip(
-    solid: Solid, outward: FloatArray, line: tuple[FloatArray, FloatArray] | None = None
-) -> Grip | None:
+def find_grip(solid: Solid, outward: FloatArray, line: tuple[FloatArray, FloatArray] | None = None) -> Grip | None:
     """The largest grip on the face of a link towards `outward` (3,) (unit); None where nothing stands out.
 
     `line` is the axis of a hinge, a point and a unit direction (3,): a grip is away from it.
@@ -85,8 +84,8 @@ def _best_piece(
 ) -> Grip | None:
     """The largest connected piece of the samples that stand out which has the form and the place of a grip."""
     standing = points[out]
-    tree = cKDTree(standing)
-    graph = tree.sparse_distance_matrix(tree, GAP * size, output_type="coo_matrix")
+    pairs = KDTree(standing).query_pairs(GAP * size, output_type="ndarray")
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(standing), len(standing)))
     count, label = connected_components(graph, directed=False)
     best: Grip | None = None
     for k in range(count):
@@ -119,5 +118,5 @@ def _in_plane(points: FloatArray, outward: FloatArray, line: tuple[FloatArray, F
     first = np.cross(outward, along)
     if np.linalg.norm(first) < 0.1:
         first = np.cross(outward, np.eye(3)[int(np.argmin(np.abs(outward)))])
-    first = first / np.linalg.norm(first)
+    first = np.asarray(first / np.linalg.norm(first), dtype=np.float64)
     return np.stack([points @ first, points @ np.cross(outward, first)], axis=1)

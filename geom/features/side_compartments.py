@@ -92,9 +92,7 @@ def _behind(solid: Solid, cavity: Cavity, depth_m: float) -> shapely.Polygon:
     )
 
 
-def _closed_region(
-    section: BaseGeometry, behind: shapely.Polygon, seed: FloatArray, cavity: Cavity
-) -> BaseGeometry:
+def _closed_region(section: BaseGeometry, behind: shapely.Polygon, seed: FloatArray, cavity: Cavity) -> BaseGeometry:
     """The free region around the seed behind the opening in a section; empty where it is open on another side."""
     free = shapely.get_parts(behind.difference(section))
     here = shapely.Point(seed[:2])

@@ -7,7 +7,7 @@ front towards -y. `transformed` turns the whole about z, reverses the axis, shif
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -97,7 +97,9 @@ def drawer(width: float, depth: float, height: float, *, handle: bool, travel: f
     if handle:
         out, z = -y - 0.06 * depth, 0.5 * height
         parts.append(rod((-0.2 * width, out, z), (0.2 * width, out, z), 0.02 * width))
-        parts += [rod((s * 0.15 * width, -y + board * 0.2, z), (s * 0.15 * width, out, z), 0.012 * width) for s in (-1, 1)]
+        parts += [
+            rod((s * 0.15 * width, -y + board * 0.2, z), (s * 0.15 * width, out, z), 0.012 * width) for s in (-1, 1)
+        ]
     return built(
         "drawer",
         solid_of(open_case(width, depth, height, board)),
@@ -232,12 +234,17 @@ def folding(width: float, depth: float, thickness: float) -> DrawnMechanism:
     )
 
 
-def transformed(drawn: DrawnMechanism, *, yaw: float, reverse: bool, zero: float, names: Sequence[str]) -> DrawnMechanism:
+def transformed(
+    drawn: DrawnMechanism, *, yaw: float, reverse: bool, zero: float, names: Sequence[str]
+) -> DrawnMechanism:
     """The same object turned about z by `yaw`, with the axis reversed, positions counted from elsewhere, and other
     names of body, moved link and joint.
     """
     R = rotation_about((0.0, 0.0, 1.0), yaw)
-    turn: Callable[[FloatArray], FloatArray] = lambda points: points @ R.T
+
+    def turn(points: FloatArray) -> FloatArray:
+        return points @ R.T
+
     sign = -1.0 if reverse else 1.0
     joint = drawn.joint
     limits = None if joint.limits is None else tuple(sorted(sign * q + zero for q in joint.limits))

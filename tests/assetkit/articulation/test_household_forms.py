@@ -25,9 +25,7 @@ def door_in_frame() -> DrawnMechanism:
     frame = box((-0.5, -0.06, 0), (0.5, 0.06, 2.1)) - box((-0.44, -1, -0.1), (0.44, 1, 2.04))
     leaf = [box((-0.43, -0.02, 0.01), (0.43, 0.02, 2.03)), rod((0.36, -0.07, 1.0), (0.36, 0.07, 1.0), 0.01)]
     leaf += [rod((0.36, y, 1.0), (0.24, y, 1.0), 0.01) for y in (-0.07, 0.07)]
-    return built(
-        "hinged_door", solid_of(frame), solid_of(*leaf), "revolute", (-0.43, -0.02, 1), (0, 0, -1), (0, 1.6)
-    )
+    return built("hinged_door", solid_of(frame), solid_of(*leaf), "revolute", (-0.43, -0.02, 1), (0, 0, -1), (0, 1.6))
 
 
 def oven_door() -> DrawnMechanism:
@@ -119,7 +117,9 @@ def test_doors_and_a_drawer_of_one_cabinet_open_each_its_own_way() -> None:
     ]
     for side in (-1, 1):
         leaf = box((min(0, side * 0.29) + 0.002, -0.27, 0.02), (max(0, side * 0.29) - 0.002, -0.25, 0.6))
-        links.append(LinkSurface(f"l{side}", solid_of(leaf, rod((side * 0.03, -0.27, 0.5), (side * 0.03, -0.3, 0.5), 0.01))))
+        links.append(
+            LinkSurface(f"l{side}", solid_of(leaf, rod((side * 0.03, -0.27, 0.5), (side * 0.03, -0.3, 0.5), 0.01)))
+        )
         limits = (0.0, 1.7) if side > 0 else (-1.7, 0.0)
         anchor = np.array([side * 0.29, -0.26, 0.3])
         joints.append(

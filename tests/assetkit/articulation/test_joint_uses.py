@@ -1,4 +1,4 @@
-"""Uses of joints by geometry: groups, opening and contacts of drawn mechanisms, whatever their heading, axis and names."""
+"""Uses of joints by geometry: groups, opening and contacts of drawn mechanisms, in any heading, by any names."""
 
 from __future__ import annotations
 
@@ -77,9 +77,7 @@ def test_geometry_alone_tells_the_group_and_how_it_opens(drawn: DrawnMechanism) 
 
 
 @settings(max_examples=40, deadline=None)
-@given(
-    mechanisms, st.floats(-math.pi, math.pi), st.booleans(), st.sampled_from([-0.3, 0.0, 1.7]), st.just(NONSENSE)
-)
+@given(mechanisms, st.floats(-math.pi, math.pi), st.booleans(), st.sampled_from([-0.3, 0.0, 1.7]), st.just(NONSENSE))
 def test_heading_axis_zero_and_names_change_nothing(
     drawn: DrawnMechanism, yaw: float, reverse: bool, zero: float, names: tuple[str, str, str]
 ) -> None:
@@ -89,11 +87,14 @@ def test_heading_axis_zero_and_names_change_nothing(
     assert after.group.confidence == pytest.approx(before.group.confidence, abs=0.01)
     if before.open.confidence > 0.0:
         assert after.sense == (-before.sense if reverse else before.sense)
-        assert after.closed.value == pytest.approx(-before.closed.value + zero if reverse else before.closed.value + zero)
+        assert after.closed.value == pytest.approx(
+            -before.closed.value + zero if reverse else before.closed.value + zero
+        )
     R = rotation_about((0.0, 0.0, 1.0), yaw)
     if drawn.group in ("drawer", "hinged_door", "hinged_lid", "sliding_door", "button"):
         here, there = before.contact, after.contact
-        assert here is not None and there is not None
+        assert here is not None
+        assert there is not None
         assert here.value.kind == there.value.kind
         assert R @ np.array(here.value.pull) == pytest.approx(np.array(there.value.pull), abs=0.05)
         assert R @ np.array(here.value.normal) == pytest.approx(np.array(there.value.normal), abs=0.02)
@@ -110,7 +111,8 @@ def test_the_pull_is_the_way_on_which_the_contact_moves_first(drawn: DrawnMechan
     way = moved[:3] - position
     assert way / np.linalg.norm(way) == pytest.approx(np.array(contact.pull), abs=1e-3)
     assert np.linalg.norm(contact.normal) == pytest.approx(1.0, abs=1e-6)
-    assert (np.array(contact.low_m) <= position + 1e-6).all() and (position <= np.array(contact.high_m) + 1e-6).all()
+    assert (np.array(contact.low_m) <= position + 1e-6).all()
+    assert (position <= np.array(contact.high_m) + 1e-6).all()
 
 
 @settings(max_examples=25, deadline=None)
@@ -136,9 +138,7 @@ def test_an_object_that_rests_open_is_shut_at_the_other_end(drawn: DrawnMechanis
     moved = drawn.links[1]
     out = moved.solid.points + rest * joint.axis
     links = (drawn.links[0], replace(moved, solid=replace(moved.solid, points=out)))
-    opened = DrawnMechanism(
-        drawn.group, replace(drawn.mechanism, joints=(replace(joint, rest=rest),)), links
-    )
+    opened = DrawnMechanism(drawn.group, replace(drawn.mechanism, joints=(replace(joint, rest=rest),)), links)
     use = use_of(opened)
     assert use.group.value == "drawer"
     assert use.closed.value == pytest.approx(0.0, abs=0.1 * joint.limits[1])
@@ -189,7 +189,7 @@ def test_a_chain_of_three_joints_is_no_household_thing() -> None:
     for k in range(2):
         last = links[-1]
         tip = last.solid.points[:, 0].max()
-        shifted = replace(last.solid, points=last.solid.points + [0.24, 0.0, 0.0])
+        shifted = replace(last.solid, points=last.solid.points + np.array([0.24, 0.0, 0.0]))
         links.append(replace(last, link=f"more_{k}", solid=shifted))
         anchor = np.array([tip, -0.045, 0.21])
         bodies.append(MechanismLink(f"more_{k}", anchor))

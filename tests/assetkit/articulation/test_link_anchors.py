@@ -9,7 +9,7 @@ import pytest
 
 from assetkit.articulation.joint_uses import ArticulatedObject, joint_uses
 from assetkit.articulation.link_anchor_trials import verify_link_anchors
-from assetkit.articulation.link_anchors import propose_link_anchors
+from assetkit.articulation.link_anchors import cavities_of_links, propose_link_anchors
 from geom.pose import pose
 from schemas.anchors import Anchor, ContainmentVolume
 from schemas.evidence import Evidence
@@ -28,14 +28,15 @@ def item(drawn: DrawnMechanism) -> ArticulatedObject:
 
 
 def proposed(drawn: DrawnMechanism) -> dict[str, Anchor]:
-    anchors = propose_link_anchors(item(drawn), joint_uses(item(drawn)))
+    anchors = propose_link_anchors(item(drawn), joint_uses(item(drawn)), cavities_of_links(drawn.links))
     assert all(a.anchor_id.startswith(f"{a.link}/") for a in anchors)
     return {a.anchor_id: a for a in anchors}
 
 
 def block(low: tuple[float, float, float], high: tuple[float, float, float]) -> CollisionShape:
-    size = tuple(b - a for a, b in zip(low, high, strict=True))
-    return CollisionShape("box", size, pose(None, tuple(0.5 * (a + b) for a, b in zip(low, high, strict=True))))
+    a, b = np.array(low), np.array(high)
+    x, y, z = (b - a).tolist()
+    return CollisionShape("box", (x, y, z), pose(None, 0.5 * (a + b)))
 
 
 def case_shapes(width: float, depth: float, height: float, board: float) -> list[CollisionShape]:
@@ -101,7 +102,9 @@ def test_behind_a_door_lies_a_compartment_that_opens_to_the_door() -> None:
 
 def test_without_a_door_an_open_front_is_no_containment() -> None:
     """The same case, and a drawer-like block far in front of it."""
-    far = replace(CABINET.links[1], solid=replace(CABINET.links[1].solid, points=CABINET.links[1].solid.points - [0, 2, 0]))
+    far = replace(
+        CABINET.links[1], solid=replace(CABINET.links[1].solid, points=CABINET.links[1].solid.points - [0, 2, 0])
+    )
     joint = replace(CABINET.joint, anchor=CABINET.joint.anchor - [0, 2, 0])
     moved = DrawnMechanism("", replace(CABINET.mechanism, joints=(joint,)), (CABINET.links[0], far))
     assert "body/inside" not in proposed(moved)
@@ -109,7 +112,7 @@ def test_without_a_door_an_open_front_is_no_containment() -> None:
 
 def verified(drawn: DrawnMechanism, shapes: dict[str, list[CollisionShape]]) -> dict[str, Evidence[Anchor]]:
     uses = joint_uses(item(drawn))
-    anchors = propose_link_anchors(item(drawn), uses)
+    anchors = propose_link_anchors(item(drawn), uses, cavities_of_links(drawn.links))
     with BulletSimulator() as simulator:
         tried = verify_link_anchors(anchors, shapes, drawn.mechanism, uses, simulator)
     return {e.value.anchor_id: e for e in tried.anchors}

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from assetkit.articulation.group_by_shape import pressed_position
-from assetkit.articulation.interaction_group import TASKS
+from assetkit.articulation.interaction_group import tasks
 from assetkit.articulation.joint_view import JointView
 from geom.articulation.closed_position import ClosedPosition
 from schemas.evidence import Evidence, default, inferred
@@ -24,19 +24,19 @@ AT_REST = 0.05  # of the range: the rest state is at a position within it
 
 
 @dataclass(frozen=True)
-class Opening:
+class EndsOfUse:
     """The two ends of the use of a joint."""
 
     closed: Evidence[float]
     open: Evidence[float]
 
 
-def find_opening(view: JointView, group: str, shut: ClosedPosition | None) -> Opening:
+def find_ends(view: JointView, group: str, shut: ClosedPosition | None) -> EndsOfUse:
     """The ends of the use of a joint of a `group`, which may be unknown; `shut` as of `closed_position`."""
     low, high = view.limits
     if view.is_endless:
         return _unknown(low, high, "turns without end")
-    task = TASKS.get(group)
+    task = tasks().get(group)
     if task == "press":
         return _pressed(view)
     if task == "open" and shut is not None:
@@ -46,30 +46,29 @@ def find_opening(view: JointView, group: str, shut: ClosedPosition | None) -> Op
         clue = "the object takes least room" + (" at rest" if at_rest else "")
         opened = confidence * (BOTH_WAYS if shut.both_ways else 1.0)
         way = "the farther of two ends" if shut.both_ways else "the end where it takes more room"
-        return Opening(
-            inferred(shut.closed, clue, round(confidence, 3)), inferred(shut.open, way, round(opened, 3), inputs=(clue,))
+        return EndsOfUse(
+            inferred(shut.closed, clue, round(confidence, 3)),
+            inferred(shut.open, way, round(opened, 3), inputs=(clue,)),
         )
     at_low, at_high = (_is_near(view, end, view.joint.rest) for end in (low, high))
     if at_low == at_high or task is None:
         return _unknown(low, high, "rest between the ends" if at_low == at_high else "unknown group")
     closed, is_open = (low, high) if at_low else (high, low)
-    return Opening(inferred(closed, "rest state", BY_REST), inferred(is_open, "the end away from rest", BY_REST))
+    return EndsOfUse(inferred(closed, "rest state", BY_REST), inferred(is_open, "the end away from rest", BY_REST))
 
 
-def _pressed(view: JointView) -> Opening:
+def _pressed(view: JointView) -> EndsOfUse:
     low, high = view.limits
     pressed = pressed_position(view)
     if pressed is None:
         return _unknown(low, high, "no side of the body is nearer")
     released = low if pressed == high else high
     confidence = BY_SIDE_AT_REST if _is_near(view, released, view.joint.rest) else BY_SIDE
-    return Opening(
-        inferred(released, "out of the body", confidence), inferred(pressed, "into the body", confidence)
-    )
+    return EndsOfUse(inferred(released, "out of the body", confidence), inferred(pressed, "into the body", confidence))
 
 
-def _unknown(low: float, high: float, reason: str) -> Opening:
-    return Opening(default(low, reason), default(high, reason))
+def _unknown(low: float, high: float, reason: str) -> EndsOfUse:
+    return EndsOfUse(default(low, reason), default(high, reason))
 
 
 def _is_near(view: JointView, position: float, other: float) -> bool:
