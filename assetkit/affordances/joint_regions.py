@@ -10,7 +10,7 @@ from schemas.affordances import WHOLE, Interaction, Region
 from schemas.articulation import JointContact, JointUse
 from schemas.evidence import Evidence, inferred
 
-DIGITS = 6  # of recorded lengths in metres: a micrometre
+REGION_DIGITS = 6  # of recorded lengths in metres: a micrometre
 
 
 def joint_regions(uses: Sequence[JointUse]) -> tuple[Evidence[Region], ...]:
@@ -46,7 +46,7 @@ def _region(use: JointUse, contact: JointContact, region_id: str) -> Region:
         position_m=contact.position_m,
         direction=contact.normal,
         outline_m=(_point(middle - along), _point(middle + along)),
-        size_m=round(float(edges.min()), DIGITS),
+        size_m=round(float(edges.min()), REGION_DIGITS),
         joint=use.joint,
     )
 
@@ -61,5 +61,5 @@ def _interaction(use: JointUse, contact: JointContact) -> Interaction:
 
 
 def _point(values: np.ndarray) -> tuple[float, float, float]:
-    x, y, z = (round(float(v), DIGITS) + 0.0 for v in values)
+    x, y, z = (round(float(v), REGION_DIGITS) + 0.0 for v in values)
     return x, y, z

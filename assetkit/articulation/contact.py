@@ -13,7 +13,7 @@ import numpy as np
 from assetkit.articulation.interaction_group import task_of
 from assetkit.articulation.joint_view import JointView
 from assetkit.taxonomy.words import singulars, words_of
-from geom.articulation.protruding_grip import find_grip
+from geom.articulation.protruding_grip import find_standing_grip
 from schemas.arrays import FloatArray
 from schemas.articulation import ContactKind, JointContact
 from schemas.evidence import Evidence, inferred, measured
@@ -21,7 +21,7 @@ from schemas.model import Mesh
 from schemas.parts import Part
 from schemas.physics import Solid
 
-DIGITS = 7  # of lengths in metres
+CONTACT_DIGITS = 7  # of lengths in metres
 GRIP_WORDS: dict[str, ContactKind] = {
     "handle": "handle",
     "grip": "handle",
@@ -31,7 +31,7 @@ GRIP_WORDS: dict[str, ContactKind] = {
 }
 # Judgements: a labelled part, at most; a mesh of that name; what stands out; the edge of a link of a known group, and
 # of an unknown one.
-BY_PART, BY_NAME, BY_SHAPE, BY_EDGE, BY_EDGE_UNKNOWN = 0.85, 0.75, 0.6, 0.5, 0.3
+BY_PART, BY_MESH_NAME, BY_STANDING_OUT, BY_EDGE, BY_EDGE_UNKNOWN = 0.85, 0.75, 0.6, 0.5, 0.3
 OUTER = 0.1  # of the width of a leaf: its edge; of the depth of a drawer: its front
 ARM_END = 0.25  # of an arm: what is pushed
 MOST_OF_LINK = 0.6  # a grip is at most this share of the diagonal of its link ...
@@ -132,7 +132,7 @@ def _named(link: MovedLink, view: JointView) -> _Region | None:
     for word, meshes in sorted(groups.items()):
         points = np.concatenate([m.points[np.unique(m.triangles)] for m in meshes])
         if _is_grip_size(points, view):
-            return _Region(GRIP_WORDS[word], points, None, BY_NAME, f"name of a mesh: {word}")
+            return _Region(GRIP_WORDS[word], points, None, BY_MESH_NAME, f"name of a mesh: {word}")
     return None
 
 
@@ -156,17 +156,17 @@ def _is_grip_size(points: FloatArray, view: JointView) -> bool:
 
 def _points_of(part: Part, meshes: Sequence[Mesh]) -> FloatArray | None:
     """Corners (n, 3) of the triangles of a part."""
-    found = [m.points[np.unique(m.triangles[part.mask(m.id, len(m.triangles))])] for m in meshes]
-    points = [p for p in found if len(p)]
+    of_meshes = [m.points[np.unique(m.triangles[part.mask(m.id, len(m.triangles))])] for m in meshes]
+    points = [p for p in of_meshes if len(p)]
     return np.concatenate(points) if points else None
 
 
 def _by_shape(view: JointView, link: MovedLink, outward: FloatArray) -> _Region | None:
     line = (view.joint.anchor, view.joint.axis) if view.joint.is_angular else None
-    grip = find_grip(link.solid, outward, line)
+    grip = find_standing_grip(link.solid, outward, line)
     if grip is None:
         return None
-    return _Region("knob" if grip.is_knob else "handle", grip.points, None, BY_SHAPE, "stands out of the face")
+    return _Region("knob" if grip.is_knob else "handle", grip.points, None, BY_STANDING_OUT, "stands out of the face")
 
 
 def _edge(view: JointView, link: MovedLink, group: str, outward: FloatArray) -> _Region:
@@ -177,7 +177,7 @@ def _edge(view: JointView, link: MovedLink, group: str, outward: FloatArray) -> 
         kind: ContactKind = "edge" if group == "turntable" else "button" if group == "button" else "knob"
         corners = link.solid.points[np.unique(link.solid.triangles)]
         part = next((p.value.part_id for p in link.parts if p.value.label.value == group), None)
-        return _Region(kind, corners, part, sure if group == "turntable" else BY_SHAPE, "the moved link itself")
+        return _Region(kind, corners, part, sure if group == "turntable" else BY_STANDING_OUT, "the moved link itself")
     if not view.joint.is_angular:
         along = points @ outward
         front = points[along >= along.max() - OUTER * float(np.ptp(along))]
@@ -198,7 +198,7 @@ def _edge_middle(view: JointView, region: _Region, group: str, outward: FloatArr
         radius = np.linalg.norm(across, axis=1)
         outer = along * float(outward @ view.joint.axis)
         upper = np.flatnonzero(outer >= np.median(outer))
-        rim = upper[int(np.round(radius[upper], DIGITS).argmax())]
+        rim = upper[int(np.round(radius[upper], CONTACT_DIGITS).argmax())]
         return region.points[rim], across[rim] / max(float(radius[rim]), 1e-12)
     return _outer_middle(region.points, outward), outward
 
@@ -211,5 +211,5 @@ def _outer_middle(points: FloatArray, outward: FloatArray) -> FloatArray:
 
 
 def _point(values: FloatArray) -> tuple[float, float, float]:
-    x, y, z = (round(float(v), DIGITS) + 0.0 for v in values)
+    x, y, z = (round(float(v), CONTACT_DIGITS) + 0.0 for v in values)
     return x, y, z

@@ -1,6 +1,6 @@
 """Labels of parts that turn out to be the handle or knob of a joint, and the contacts that name them.
 
-A grip that stands out of the face of a link is often a nameless shape of the source; the joint says what it is for.
+A grip that stands out of the face of a link is often a nameless shape of the source; its joint is what it is for.
 """
 
 from __future__ import annotations

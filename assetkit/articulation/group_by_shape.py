@@ -31,7 +31,7 @@ SMALL, HALF_SIZE = 0.25, 0.45
 ROUND = 2.2  # longest by shortest side across the axis of a knob; a bar on a round foot has less
 PLATFORM_HEIGHT, PLATFORM_WIDTH = 0.5, 0.4  # height of a platform of its width; its width of that of what stays
 # Length of an arm by its breadth, where that is at most so many times its thickness; and of a flat strip.
-ARM, BAR, STRIP = 2.2, 4.0, 6.0
+ARM, BAR, FLAT_STRIP = 2.2, 4.0, 6.0
 ARM_TURN = math.radians(200.0)
 # Shares of a drawer within the outline of the body: what comes out until it is open; across its way; along it if shut.
 OUT_SHARE, WITHIN_ACROSS, WITHIN_ALONG = 0.15, 0.6, 0.5
@@ -44,14 +44,14 @@ ALONG_LEAF = 0.3  # |z| of the normal of an upright leaf
 
 @dataclass(frozen=True)
 class ShapeReading:
-    """Chances of groups by geometry with the observation in words; empty where nothing fits. `reason` says why."""
+    """Chances of groups by geometry with the observation in words; empty where nothing fits. `reason` is why."""
 
     chances: Mapping[str, float]
     reason: str
 
 
 def read_shape(view: JointView, shut: ClosedPosition | None) -> ShapeReading:
-    """The groups that the geometry of a joint speaks for; `shut` is where the object takes least room."""
+    """The groups that fit the geometry of a joint; `shut` is where the object takes least room."""
     if view.in_loop:
         return ShapeReading({}, "part of a kinematic loop")
     if view.chain > MOST_CHAIN:
@@ -181,7 +181,7 @@ def _is_arm(view: JointView) -> bool:
     """Whether the moved link is long across the axis and slim in both other directions, like a bar, not a board."""
     thin, other = sorted((view.moved.length_m, view.moved.thickness_m))
     ratio = view.moved.width_m / max(other, 1e-9)
-    return ratio >= STRIP or (ratio >= ARM and other <= BAR * thin)
+    return ratio >= FLAT_STRIP or (ratio >= ARM and other <= BAR * thin)
 
 
 def _is_wheel(view: JointView) -> bool:

@@ -29,9 +29,9 @@ class WordReading:
 
 
 def read_words(joint: MechanismJoint, link: MechanismLink) -> WordReading:
-    """The groups that names speak for; words of groups with other types of joints are left out.
+    """The groups that names mean; words of groups with other types of joints are left out.
 
-    A button that turns is no push button; its name still does not say what it is.
+    A button that turns is no push button; its name is no evidence for another group.
     """
     names = [(link.name, BY_LINK, "link"), (joint.source_name or joint.name, BY_JOINT, "joint")]
     names += [(member, BY_MEMBER, "link") for member in link.members if member != link.name]
@@ -49,7 +49,7 @@ def read_words(joint: MechanismJoint, link: MechanismLink) -> WordReading:
 
 
 def _groups_in(name: str) -> Iterator[tuple[str, float]]:
-    """Groups that a name speaks of, each with the share of its weight: 1 for the last word."""
+    """Groups that a name means, each with the share of its weight: 1 for the last word."""
     words = words_of(name)
     for group, phrases in moved_words().items():
         for phrase in phrases:

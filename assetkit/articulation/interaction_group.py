@@ -40,7 +40,7 @@ def decide_group(
 ) -> Evidence[str]:
     """The group with its evidence; `category` is the usual group of things of the object's category, if known.
 
-    `unknown` with confidence 0: nothing speaks for a group, no group leads, the names mean something else (a wheel), or
+    `unknown` with confidence 0: no group fits, no group leads, the names mean something else (a wheel), or
     names and geometry contradict each other and the category does not side with either.
     """
     if words.other:

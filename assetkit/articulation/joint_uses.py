@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from assetkit.articulation.contact import MovedLink, find_contact
+from assetkit.articulation.ends_of_use import find_ends
 from assetkit.articulation.group_by_shape import read_shape
 from assetkit.articulation.group_by_words import read_words
 from assetkit.articulation.interaction_group import decide_group, task_of
 from assetkit.articulation.joint_view import JointView, joint_views
-from assetkit.articulation.ends_of_use import find_ends
 from assetkit.stage import LinkSurface
 from geom.articulation.closed_position import closed_position
 from schemas.articulation import JointUse

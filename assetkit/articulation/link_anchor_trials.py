@@ -30,7 +30,7 @@ from schemas.mechanism import Mechanism
 from schemas.physics import CollisionShape
 from sim.port import Simulator
 
-_UPRIGHT = 1e-6  # a link that turns about an upright axis, or slides, keeps its anchors level
+_SHIFT_ONLY = 1e-6  # largest entry of a rotation less the identity: the motion only shifts
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def _subtree(mechanism: Mechanism, link: str) -> frozenset[str]:
 
 def _placed(anchor: Anchor, motion: FloatArray) -> Anchor | None:
     """The anchor where a motion (4, 4) takes it; None where it does more than shift it."""
-    if np.abs(motion[:3, :3] - np.eye(3)).max() > _UPRIGHT:
+    if np.abs(motion[:3, :3] - np.eye(3)).max() > _SHIFT_ONLY:
         return None
     x, y, z = (float(v) for v in np.asarray(anchor.position_m) + motion[:3, 3])
     position: Point3 = (x, y, z)

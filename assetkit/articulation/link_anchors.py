@@ -32,7 +32,7 @@ from schemas.physics import Solid
 MOST_BLOCKED = 0.5  # of a surface or volume: the room that other links take at rest
 DOORS = ("hinged_door", "sliding_door", "hinged_lid")
 BEYOND = 0.1  # of the object's diagonal: a shut door lies within it before the opening
-_GRID = 12  # positions each way by which blocked room over a surface is measured
+_PLACES_EACH_WAY = 12  # positions each way by which blocked room over a surface is measured
 
 
 def cavities_of_links(links: Sequence[LinkSurface]) -> dict[str, tuple[Cavity, ...]]:
@@ -159,7 +159,7 @@ def _free_surface(support: SupportFace, others: _Others, breadth: float) -> Supp
 def _places(region: shapely.Polygon) -> FloatArray:
     """x and y (k, 2) of places spread over a region, at least one."""
     low, high = np.array(region.bounds).reshape(2, 2)
-    shares = (np.arange(_GRID) + 0.5) / _GRID
+    shares = (np.arange(_PLACES_EACH_WAY) + 0.5) / _PLACES_EACH_WAY
     grid = low + np.stack(np.meshgrid(shares, shares, indexing="ij"), axis=-1).reshape(-1, 2) * (high - low)
     within = grid[shapely.contains_xy(region, grid[:, 0], grid[:, 1])]
     return np.concatenate([within, shapely.get_coordinates(region.point_on_surface())])

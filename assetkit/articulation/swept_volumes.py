@@ -20,7 +20,7 @@ from schemas.articulation import JointUse, SweptPrism, SweptVolume
 from schemas.mechanism import Mechanism, MechanismJoint
 from schemas.physics import CollisionShape
 
-_SAME = 1e-9  # rad or m
+_SAME_POSITION = 1e-9  # rad or m
 
 
 def swept_volumes(mechanism: Mechanism, shapes: Mapping[str, Sequence[CollisionShape]]) -> dict[str, SweptVolume]:
@@ -85,9 +85,9 @@ def _rates(mechanism: Mechanism, joint: MechanismJoint, limits: tuple[float, flo
 
 
 def _displaced(mechanism: Mechanism, joint: MechanismJoint) -> bool:
-    """Whether joints that follow others stand elsewhere than at rest, so that axes are not where the record says."""
+    """Whether joints that follow others stand elsewhere than at rest, so that axes lie elsewhere than in the record."""
     at_rest = joint_positions(mechanism, {joint.name: joint.rest})
-    return any(abs(at_rest[j.name] - j.rest) > _SAME for j in mechanism.tree)
+    return any(abs(at_rest[j.name] - j.rest) > _SAME_POSITION for j in mechanism.tree)
 
 
 def _fastest(

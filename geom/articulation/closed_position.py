@@ -15,7 +15,7 @@ from geom.articulation.moved_shape import box_around, level_heading
 from geom.pose import apply
 from schemas.arrays import FloatArray
 
-STEPS = 24  # positions over the range
+RANGE_STEPS = 24  # positions over the range
 # Positions whose box is larger than the smallest one by less than this share of the growth are shut, too.
 TIE_SHARE = 0.05
 # Of the smallest box: a growth below it says nothing. A door of a large kitchen may stay within the box.
@@ -43,13 +43,13 @@ def closed_position(
     limits: tuple[float, float],
     rest: float,
 ) -> ClosedPosition | None:
-    """The shut and the open position within `limits`; None where the room that it takes tells nothing.
+    """The shut and the open position within `limits`; None where the room that it takes hardly varies.
 
     `motion(q)` is the motion (4, 4) of the points `moved` (n, 3), given at `rest`, to the position q; `fixed` (m, 3)
     stays. The rest state is preferred among positions that are equally shut, then a limit.
     """
     low, high = limits
-    positions = np.unique([*np.linspace(low, high, STEPS + 1), min(max(rest, low), high)])
+    positions = np.unique([*np.linspace(low, high, RANGE_STEPS + 1), min(max(rest, low), high)])
     heading = level_heading(fixed)
     boxes = np.array(
         [float(np.prod(box_around(np.concatenate([fixed, apply(motion(q), moved)]), heading))) for q in positions]
@@ -68,7 +68,7 @@ def closed_position(
 
 def _preferred(shut: FloatArray, rest: float, low: float, high: float) -> float:
     """The rest state if it is among the shut positions (n,), else a limit, else their middle."""
-    for wanted in (rest, low, high):
-        if (np.abs(shut - wanted) <= 1e-9 * max(high - low, 1e-12)).any():
-            return wanted
+    for position in (rest, low, high):
+        if (np.abs(shut - position) <= 1e-9 * max(high - low, 1e-12)).any():
+            return position
     return 0.5 * (float(shut.min()) + float(shut.max()))

@@ -16,7 +16,7 @@ from geom.mesh.surface_distance import sample_surface
 from schemas.arrays import FloatArray
 from schemas.physics import Solid
 
-SAMPLES = 3000  # per surface
+SURFACE_SAMPLES = 3000  # per surface
 # The middle 80 % of the surface tell how thick a leaf is: a handle on one side has less than a tenth of it.
 CORE = (0.1, 0.9)
 _TINY_M = 1e-9
@@ -83,7 +83,7 @@ class MovedShape:
 
 def surface_points(solid: Solid) -> FloatArray:
     """(n, 3) samples of a surface by area, the same for the same triangles; then its corners."""
-    samples, _ = sample_surface(solid.points, solid.triangles, SAMPLES, seed=0)
+    samples, _ = sample_surface(solid.points, solid.triangles, SURFACE_SAMPLES, seed=0)
     return samples
 
 
@@ -131,7 +131,7 @@ def _basis(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Two unit vectors across the axis, at right angles."""
     helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
     first = np.cross(axis, helper)
-    first /= np.linalg.norm(first)
+    first = np.asarray(first / np.linalg.norm(first), dtype=np.float64)
     return first, np.cross(axis, first)
 
 

@@ -16,7 +16,7 @@ from geom.mesh.surface_distance import sample_surface
 from schemas.arrays import BoolArray, FloatArray
 from schemas.physics import Solid
 
-SAMPLES = 8000
+GRIP_SAMPLES = 8000
 FACING = 0.9  # cosine to the outward direction of the samples of a face
 # Of the diagonal of the link: the face is even within it, and a grip stands out by more.
 STANDS_OUT = 0.012
@@ -30,19 +30,21 @@ _LEVELS = 4  # raised frames and mouldings below a grip, at most
 
 
 @dataclass(frozen=True)
-class Grip:
+class StandingGrip:
     """Points (n, 3) of a grip on a face; `is_knob` as against a bar."""
 
     points: FloatArray
     is_knob: bool
 
 
-def find_grip(solid: Solid, outward: FloatArray, line: tuple[FloatArray, FloatArray] | None = None) -> Grip | None:
+def find_standing_grip(
+    solid: Solid, outward: FloatArray, line: tuple[FloatArray, FloatArray] | None = None
+) -> StandingGrip | None:
     """The largest grip on the face of a link towards `outward` (3,) (unit); None where nothing stands out.
 
     `line` is the axis of a hinge, a point and a unit direction (3,): a grip is away from it.
     """
-    points, faces = sample_surface(solid.points, solid.triangles, SAMPLES, seed=0)
+    points, faces = sample_surface(solid.points, solid.triangles, GRIP_SAMPLES, seed=0)
     corners = solid.points[solid.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]
@@ -81,13 +83,13 @@ def _best_piece(
     size: float,
     face_sides: FloatArray,
     line: tuple[FloatArray, FloatArray] | None,
-) -> Grip | None:
+) -> StandingGrip | None:
     """The largest connected piece of the samples that stand out which has the form and the place of a grip."""
     standing = points[out]
     pairs = KDTree(standing).query_pairs(GAP * size, output_type="ndarray")
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(standing), len(standing)))
     count, label = connected_components(graph, directed=False)
-    best: Grip | None = None
+    best: StandingGrip | None = None
     for k in range(count):
         piece = standing[label == k]
         if len(piece) < LEAST_SAMPLES or (best is not None and len(piece) <= len(best.points)):
@@ -96,7 +98,7 @@ def _best_piece(
         if sides[0] > MOST_SHORT_SIDE * float(face_sides.min()) or not _away(piece, points, line):
             continue
         is_knob = sides[1] <= KNOB_RATIO * sides[0] and sides[1] <= KNOB_SHARE * float(face_sides.min())
-        best = Grip(piece, is_knob)
+        best = StandingGrip(piece, is_knob)
     return best
 
 

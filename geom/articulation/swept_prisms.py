@@ -23,10 +23,10 @@ from geom.pose import apply
 from schemas.arrays import FloatArray, IntArray
 
 # A step of a turn: an arc of 7.5 degrees lies within 0.2 % of its radius of the triangle around it.
-STEP_RAD = math.radians(7.5)
+TURN_STEP_RAD = math.radians(7.5)
 # Where only a bound on the speed is known: the way within a step, of the size of the body; steps at most.
 BOUND_STEP, MOST_STEPS = 0.05, 200
-LAYERS = 24
+HEIGHT_LAYERS = 24
 # Outlines may gain this share of the object's size: what is rounded, and small detail, stays inside.
 SPARE_SHARE = 4e-4
 LEAST_SPARE_M = 2e-6  # above the rounding of single precision and of the record, for things of a few metres
@@ -100,7 +100,7 @@ def _hulls(sweep: Sweep) -> list[tuple[FloatArray, IntArray]]:
         count = math.ceil(sweep.speed * (high - low) / max(BOUND_STEP * size, 1e-9))
     elif sweep.axis is not None:
         high = min(high, low + 2.0 * math.pi)  # more than one turn sweeps no more
-        count = math.ceil((high - low) / STEP_RAD - 1e-9)
+        count = math.ceil((high - low) / TURN_STEP_RAD - 1e-9)
     else:
         count = 1
     count = min(max(count, 1), MOST_STEPS)
@@ -143,13 +143,13 @@ def _heights(swept: Sequence[tuple[FloatArray, IntArray]], spare: float) -> tupl
 def _layer_faces(spans: Sequence[tuple[float, float]], spare: float) -> list[float]:
     """Heights between layers: evenly spaced, and at the lowest and highest point of each sweep."""
     low, high = min(a for a, _ in spans), max(b for _, b in spans)
-    wanted = sorted({z for span in spans for z in span} | set(np.linspace(low, high, LAYERS + 1).tolist()))
-    kept = [wanted[0]]
-    for z in wanted[1:]:
-        if z - kept[-1] > 2.0 * spare:
-            kept.append(z)
-    kept[-1] = high
-    return kept
+    heights = sorted({z for span in spans for z in span} | set(np.linspace(low, high, HEIGHT_LAYERS + 1).tolist()))
+    faces = [heights[0]]
+    for z in heights[1:]:
+        if z - faces[-1] > 2.0 * spare:
+            faces.append(z)
+    faces[-1] = high
+    return faces
 
 
 def _outline(hulls: Sequence[tuple[FloatArray, IntArray]], low: float, high: float, spare: float) -> BaseGeometry:

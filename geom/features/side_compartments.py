@@ -37,9 +37,9 @@ def find_side_compartments(solid: Solid, cavities: Sequence[Cavity]) -> tuple[Co
     if not level:
         return ()
     cuts, rays = CrossSections(solid), Rays(solid.points, solid.triangles)
-    found = [inside for c in level if (inside := _inside(cuts, rays, c)) is not None]
+    compartments_of_openings = [inside for c in level if (inside := _inside(cuts, rays, c)) is not None]
     compartments: list[Containment] = []
-    for inside in sorted(found, key=lambda c: (-c.volume_m3, *c.cavity.opening_m.tolist())):
+    for inside in sorted(compartments_of_openings, key=lambda c: (-c.volume_m3, *c.cavity.opening_m.tolist())):
         if all(_common_share(inside, other) < SAME_SHARE for other in compartments):
             compartments.append(inside)
     return tuple(compartments)

@@ -69,8 +69,8 @@ def rows() -> dict[str, dict[str, str]]:
 @cache
 def truth() -> dict[str, tuple[TrueJoint, ...]]:
     listed = json.loads((SHARED / "joints.json").read_text())
-    kept = {k: v for k, v in listed.items() if rows()[k]["outcome"] != "reject" and rows()[k]["split"] == "dev"}
-    return {name: tuple(_true_joints(entry)) for name, entry in kept.items()}
+    accepted = {k: v for k, v in listed.items() if rows()[k]["outcome"] != "reject" and rows()[k]["split"] == "dev"}
+    return {name: tuple(_true_joints(entry)) for name, entry in accepted.items()}
 
 
 def _true_joints(entry: str | list[dict]) -> Iterator[TrueJoint]:
@@ -138,8 +138,8 @@ def _axes_of_urdf(path: Path, rest: dict[str, float]) -> dict[str, np.ndarray]:
             joints[child.get("link")] = (joint, parent.get("link"))
 
     def numbers(joint: ElementTree.Element, tag: str, key: str, default: str) -> np.ndarray:
-        found = joint.find(tag)
-        return np.array([float(v) for v in (default if found is None else found.get(key, default)).split()])
+        element = joint.find(tag)
+        return np.array([float(v) for v in (default if element is None else element.get(key, default)).split()])
 
     def rotation_to(link: str | None) -> Rotation:
         """Of the link after its joint has moved to rest."""
