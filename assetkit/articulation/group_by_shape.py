@@ -38,7 +38,8 @@ OUT_SHARE, WITHIN_ACROSS, WITHIN_ALONG = 0.15, 0.6, 0.5
 ROD = 0.15  # what is thinner across its way than this share of its length is a rod, no drawer
 COVER_SHARE = 0.1  # of the footprint of what stays: a lid covers more, a pedal less
 GROUND = 0.02  # of the height of the object: a wheel touches the ground
-LIKE = 0.6  # the two longer edges of two thin halves of like size differ by less than this ratio
+# Two thin halves of like size: the smaller by the larger of their two longer edges, and of their thicknesses.
+LIKE, LIKE_THICKNESS = 0.6, 0.35
 ALONG_LEAF = 0.3  # |z| of the normal of an upright leaf
 
 
@@ -200,8 +201,8 @@ def _half_chance(view: JointView, at_edge: bool) -> float:
     moved = view.moved
     R_AM = np.stack([moved.axis, moved.wide, moved.thin])
     ours, theirs = np.sort(np.ptp(moved.points @ R_AM.T, axis=0)), np.sort(_own_box(view.parent))
-    alike = ((ours >= LIKE * theirs) & (theirs >= LIKE * ours))[1:].all()
-    if not alike or max(ours[0] / ours[1], theirs[0] / theirs[1]) > LEAF_SHARE:
+    ratios = np.minimum(ours, theirs) / np.maximum(np.maximum(ours, theirs), 1e-9)
+    if (ratios < [LIKE_THICKNESS, LIKE, LIKE]).any() or max(ours[0] / ours[1], theirs[0] / theirs[1]) > LEAF_SHARE:
         return 0.0
     local = view.parent - moved.anchor
     across = local - (local @ moved.axis)[:, None] * moved.axis
