@@ -40,6 +40,7 @@ COVER_SHARE = 0.1  # of the footprint of what stays: a lid covers more, a pedal 
 GROUND = 0.02  # of the height of the object: a wheel touches the ground
 # Two thin halves of like size: the smaller by the larger of their two longer edges, and of their thicknesses.
 LIKE, LIKE_THICKNESS = 0.6, 0.35
+HALF_SHARE = 0.2  # thickness of a half, of its shorter side
 ALONG_LEAF = 0.3  # |z| of the normal of an upright leaf
 
 
@@ -199,10 +200,10 @@ def _is_wheel(view: JointView) -> bool:
 def _half_chance(view: JointView, at_edge: bool) -> float:
     """The chance that the moved link and its parent are two halves of like form, side by side at the axis."""
     moved = view.moved
-    R_AM = np.stack([moved.axis, moved.wide, moved.thin])
-    ours, theirs = np.sort(np.ptp(moved.points @ R_AM.T, axis=0)), np.sort(_own_box(view.parent))
+    ours = np.sort([moved.length_m, moved.width_m, moved.core_thin_m])
+    theirs = np.sort(_own_box(view.parent))
     ratios = np.minimum(ours, theirs) / np.maximum(np.maximum(ours, theirs), 1e-9)
-    if (ratios < [LIKE_THICKNESS, LIKE, LIKE]).any() or max(ours[0] / ours[1], theirs[0] / theirs[1]) > LEAF_SHARE:
+    if (ratios < [LIKE_THICKNESS, LIKE, LIKE]).any() or max(ours[0] / ours[1], theirs[0] / theirs[1]) > HALF_SHARE:
         return 0.0
     local = view.parent - moved.anchor
     across = local - (local @ moved.axis)[:, None] * moved.axis
