@@ -101,8 +101,9 @@ def test_heading_axis_zero_and_names_change_nothing(
 
 
 @settings(max_examples=40, deadline=None)
-@given(mechanisms)
-def test_the_pull_is_the_way_on_which_the_contact_moves_first(drawn: DrawnMechanism) -> None:
+@given(mechanisms, st.booleans())
+def test_the_pull_is_the_way_on_which_the_contact_moves_first(drawn: DrawnMechanism, reverse: bool) -> None:
+    drawn = transformed(drawn, yaw=0.4, reverse=reverse, zero=0.0, names=NONSENSE)
     use = use_of(drawn)
     assert use.contact is not None
     contact, step = use.contact.value, 1e-6 * use.sense

@@ -134,3 +134,13 @@ def test_a_wide_turn_is_a_ring() -> None:
     inner, outer = 0.45, math.hypot(0.55, 0.05)
     assert volume == pytest.approx(math.pi * (outer**2 - inner**2) * 0.1, rel=0.1)
     assert not held(prisms, np.array([[0.0, 0.0, 0.05]])).any(), "the middle stays free"
+
+
+def test_without_any_spare_the_cover_still_holds_the_arcs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between the positions at which hulls are taken the corners lie outside of the chords."""
+    monkeypatch.setattr("geom.articulation.swept_prisms.SPARE_SHARE", 0.0)
+    axis = np.array([0.0, 0.0, 1.0])
+    motion = turn(axis, np.zeros(3))
+    prisms, _ = swept_prisms([Sweep(DOOR, motion, (0.0, 1.6), axis, np.zeros(3))])
+    for q in np.linspace(0.0, 1.6, 331):
+        assert held(prisms, apply(motion(q), DOOR)).all(), q
