@@ -63,7 +63,7 @@ def use_of(drawn: DrawnMechanism) -> JointUse:
     return use
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=36, deadline=None)
 @given(mechanisms)
 def test_geometry_alone_tells_the_group_and_how_it_opens(drawn: DrawnMechanism) -> None:
     use = use_of(drawn)
@@ -76,7 +76,7 @@ def test_geometry_alone_tells_the_group_and_how_it_opens(drawn: DrawnMechanism) 
         assert use.open.confidence == 0.0, "which way it turns is not known"
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=18, deadline=None)
 @given(mechanisms, st.floats(-math.pi, math.pi), st.booleans(), st.sampled_from([-0.3, 0.0, 1.7]), st.just(NONSENSE))
 def test_heading_axis_zero_and_names_change_nothing(
     drawn: DrawnMechanism, yaw: float, reverse: bool, zero: float, names: tuple[str, str, str]
@@ -100,7 +100,7 @@ def test_heading_axis_zero_and_names_change_nothing(
         assert R @ np.array(here.value.normal) == pytest.approx(np.array(there.value.normal), abs=0.02)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=18, deadline=None)
 @given(mechanisms, st.booleans())
 def test_the_pull_is_the_way_on_which_the_contact_moves_first(drawn: DrawnMechanism, reverse: bool) -> None:
     drawn = transformed(drawn, yaw=0.4, reverse=reverse, zero=0.0, names=NONSENSE)
@@ -116,7 +116,7 @@ def test_the_pull_is_the_way_on_which_the_contact_moves_first(drawn: DrawnMechan
     assert (position <= np.array(contact.high_m) + 1e-6).all()
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.one_of(drawers, doors), st.data())
 def test_a_handle_is_found_where_there_is_one_and_nowhere_else(drawn: DrawnMechanism, data: st.DataObject) -> None:
     points = drawn.links[1].solid.points
@@ -129,7 +129,7 @@ def test_a_handle_is_found_where_there_is_one_and_nowhere_else(drawn: DrawnMecha
         assert contact.value.position_m[1] == pytest.approx(front, abs=0.05), "the bar stands out farthest"
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(drawers, st.floats(0.3, 1.0))
 def test_an_object_that_rests_open_is_shut_at_the_other_end(drawn: DrawnMechanism, share: float) -> None:
     """The surfaces at rest are those of the open state; the joint counts from there."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from assetkit.articulation.link_anchor_trials import verify_link_anchors
 from assetkit.articulation.link_anchors import cavities_of_links, propose_link_anchors
 from geom.pose import pose
 from schemas.anchors import Anchor, ContainmentVolume
+from schemas.articulation import JointUse
 from schemas.evidence import Evidence
 from schemas.physics import CollisionShape
 from sim.bullet.simulator import BulletSimulator
@@ -27,10 +29,24 @@ def item(drawn: DrawnMechanism) -> ArticulatedObject:
     return ArticulatedObject(drawn.mechanism, drawn.links)
 
 
-def proposed(drawn: DrawnMechanism) -> dict[str, Anchor]:
-    anchors = propose_link_anchors(item(drawn), joint_uses(item(drawn)), cavities_of_links(drawn.links))
+@cache
+def read(kind: str) -> tuple[DrawnMechanism, tuple[JointUse, ...], tuple[Anchor, ...]]:
+    """A mechanism with its uses and anchors; openings take seconds, so they are looked for once."""
+    return read_anew({"drawer": DRAWER, "cabinet": CABINET}[kind])
+
+
+def read_anew(drawn: DrawnMechanism) -> tuple[DrawnMechanism, tuple[JointUse, ...], tuple[Anchor, ...]]:
+    uses = joint_uses(item(drawn))
+    return drawn, uses, propose_link_anchors(item(drawn), uses, cavities_of_links(drawn.links))
+
+
+def by_id(anchors: tuple[Anchor, ...]) -> dict[str, Anchor]:
     assert all(a.anchor_id.startswith(f"{a.link}/") for a in anchors)
     return {a.anchor_id: a for a in anchors}
+
+
+def proposed(kind: str) -> dict[str, Anchor]:
+    return by_id(read(kind)[2])
 
 
 def block(low: tuple[float, float, float], high: tuple[float, float, float]) -> CollisionShape:
@@ -72,7 +88,7 @@ DRAWER_SHAPES = {
 
 
 def test_the_inside_of_a_shut_drawer_is_that_of_its_tray() -> None:
-    inside = proposed(DRAWER)["moved/inside"]
+    inside = proposed("drawer")["moved/inside"]
     assert isinstance(inside, ContainmentVolume)
     low, high = np.array(DRAWER_BOX)
     wall = 0.5 * BOARD
@@ -83,13 +99,13 @@ def test_the_inside_of_a_shut_drawer_is_that_of_its_tray() -> None:
 
 
 def test_the_room_that_a_shut_drawer_takes_is_no_anchor_of_the_body() -> None:
-    ids = set(proposed(DRAWER))
+    ids = set(proposed("drawer"))
     assert "body/surface_0" in ids, "the top"
     assert {i for i in ids if i.startswith("body/")} == {"body/surface_0"}
 
 
 def test_behind_a_door_lies_a_compartment_that_opens_to_the_door() -> None:
-    anchors = proposed(CABINET)
+    anchors = proposed("cabinet")
     inside = anchors["body/inside"]
     assert isinstance(inside, ContainmentVolume)
     board = 0.03 * 0.5
@@ -107,28 +123,27 @@ def test_without_a_door_an_open_front_is_no_containment() -> None:
     )
     joint = replace(CABINET.joint, anchor=CABINET.joint.anchor - [0, 2, 0])
     moved = DrawnMechanism("", replace(CABINET.mechanism, joints=(joint,)), (CABINET.links[0], far))
-    assert "body/inside" not in proposed(moved)
+    assert "body/inside" not in by_id(read_anew(moved)[2])
 
 
-def verified(drawn: DrawnMechanism, shapes: dict[str, list[CollisionShape]]) -> dict[str, Evidence[Anchor]]:
-    uses = joint_uses(item(drawn))
-    anchors = propose_link_anchors(item(drawn), uses, cavities_of_links(drawn.links))
+def verified(kind: str, shapes: dict[str, list[CollisionShape]]) -> dict[str, Evidence[Anchor]]:
+    drawn, uses, anchors = read(kind)
     with BulletSimulator() as simulator:
         tried = verify_link_anchors(anchors, shapes, drawn.mechanism, uses, simulator)
     return {e.value.anchor_id: e for e in tried.anchors}
 
 
 def test_a_drawer_is_verified_pulled_out_and_kept_at_rest() -> None:
-    anchors = verified(DRAWER, DRAWER_SHAPES)
+    anchors = verified("drawer", DRAWER_SHAPES)
     inside = anchors["moved/inside"]
     assert inside.method.endswith("with joint at 0.32 m")
-    assert inside.value == proposed(DRAWER)["moved/inside"], "given at rest, although tried pulled out"
+    assert inside.value == proposed("drawer")["moved/inside"], "given at rest, although tried pulled out"
     assert anchors["body/surface_0"].method.endswith(BulletSimulator().name), "at rest"
 
 
 def test_a_drawer_whose_colliders_fill_it_is_refuted() -> None:
     filled = {**DRAWER_SHAPES, "moved": [block(*DRAWER_BOX)]}
-    assert "moved/inside" not in verified(DRAWER, filled)
+    assert "moved/inside" not in verified("drawer", filled)
 
 
 def test_what_lies_behind_a_door_is_verified() -> None:
@@ -137,5 +152,5 @@ def test_what_lies_behind_a_door_is_verified() -> None:
         "body": case_shapes(0.5, 0.4, 0.6, board),
         "moved": [block((-0.25, -0.22, 0.0), (0.25, -0.2, 0.6))],
     }
-    anchors = verified(CABINET, shapes)
+    anchors = verified("cabinet", shapes)
     assert {"body/inside", "body/surface_0"} <= set(anchors)

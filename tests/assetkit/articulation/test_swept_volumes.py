@@ -57,7 +57,7 @@ def covers(volume: SweptVolume, points: np.ndarray) -> bool:
 def test_what_moves_with_a_door_lies_in_its_volume(joints: tuple[MechanismJoint, ...]) -> None:
     whole = mechanism(*joints)
     volume = swept_volumes(whole, SHAPES)["hinge"]
-    for q in np.linspace(0.0, 1.8, 37):
+    for q in np.linspace(0.0, 1.8, 19):
         motions = link_motions(whole, {"hinge": float(q)})
         for joint in joints:
             for shape in SHAPES[joint.child]:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from geom.articulation.swept_prisms import Prism, Sweep, swept_prisms
 from geom.pose import apply, pose, rotation_about
 
-POSITIONS = 45
+POSITIONS = 24
 
 
 def turn(axis: np.ndarray, anchor: np.ndarray):
@@ -46,7 +46,7 @@ def corners_of(numbers: tuple[float, ...]) -> np.ndarray:
     return signs * numbers[:3] + numbers[3:]
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(
     st.lists(boxes, min_size=1, max_size=3),
     directions,
@@ -73,10 +73,10 @@ def sampled_volume(corners: np.ndarray, motion, limits: tuple[float, float], pri
     """Volume that a box sweeps, by random points of the box around the prisms and dense positions: a lower bound."""
     low = np.min([[*p.polygon.bounds[:2], p.low_m] for p in prisms], axis=0)
     high = np.max([[*p.polygon.bounds[2:], p.high_m] for p in prisms], axis=0)
-    points = np.random.default_rng(1).uniform(low, high, size=(60000, 3))
+    points = np.random.default_rng(1).uniform(low, high, size=(20000, 3))
     lowest, highest = corners.min(axis=0), corners.max(axis=0)
     swept = np.zeros(len(points), dtype=bool)
-    for q in np.linspace(*limits, 400):
+    for q in np.linspace(*limits, 200):
         local = apply(np.linalg.inv(motion(q)), points)
         swept |= ((local >= lowest) & (local <= highest)).all(axis=1)
     return float(swept.mean() * np.prod(high - low))
@@ -142,5 +142,5 @@ def test_without_any_spare_the_cover_still_holds_the_arcs(monkeypatch: pytest.Mo
     axis = np.array([0.0, 0.0, 1.0])
     motion = turn(axis, np.zeros(3))
     prisms, _ = swept_prisms([Sweep(DOOR, motion, (0.0, 1.6), axis, np.zeros(3))])
-    for q in np.linspace(0.0, 1.6, 331):
+    for q in np.linspace(0.0, 1.6, 181):
         assert held(prisms, apply(motion(q), DOOR)).all(), q
