@@ -63,7 +63,7 @@ class SweptVolume(_Model):
 class JointUse(_Model):
     """One joint as a task sees it. Joints that follow others (couplings) and that close loops have none.
 
-    `group` is an interaction group of the taxonomy, `unknown` with confidence 0 without evidence. `closed` and
+    `group` is an interaction group of the taxonomy, `unknown` with confidence 0 where nothing shows it. `closed` and
     `open` are the positions of the two ends of its use: shut and fully open, released and pressed; for a joint
     without limits rest and one turn. So opening is the sign of `open - closed`. `contact` is where it is moved.
     """

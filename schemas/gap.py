@@ -168,6 +168,28 @@ class CandidateDecision(_Machine):
     criteria: tuple[Criterion, ...] = ()
 
 
+class EffectTwin(_Machine):
+    """Another effect that imitates one: separable from it only at `factor` times the strength that is noticed."""
+
+    name: str
+    where: Place = Place()
+    factor: float
+
+
+class IdentifiableEffect(_Machine):
+    """What the training trials show of an effect beside the declared model, whether or not it acts.
+
+    noticed_from   strengths from which it is noticed, of thresholds such at which it is; empty where these trials show
+                   it at no plausible strength.
+    twins          effects that imitate it here, the best imitation first.
+    """
+
+    name: str
+    where: Place = Place()
+    noticed_from: dict[str, float]
+    twins: tuple[EffectTwin, ...] = ()
+
+
 class NamedEffect(_Machine):
     """An effect that the verdict names."""
 
@@ -257,6 +279,43 @@ class Rival(_Machine):
     heldout: float
 
 
+class OpenQuestion(_Machine):
+    """An effect that was found, and a rival that might be in its place.
+
+    left   loss that the rival is expected to leave on the trials there are, `needed` what rejects it.
+    """
+
+    effect: str
+    where: Place = Place()
+    rival: str
+    rival_where: Place = Place()
+    left: float
+    needed: float
+
+
+class PlannedRecording(_Machine):
+    """A recording that could be made: what to do in words, and the losses that rivals would leave with it.
+
+    left        per open question, in their order, if the effect that was found is the true one.
+    separates   all rivals would be rejected.
+    """
+
+    name: str
+    words: str
+    left: tuple[float, ...]
+    separates: bool
+
+
+class RecordingPlan(_Machine):
+    """`plan.json` of `mana gap plan`: what is in doubt, and recordings that would settle it, the best first."""
+
+    schema_version: Literal[1] = 1
+    measurement: str
+    open_questions: tuple[OpenQuestion, ...] = ()
+    recordings: tuple[PlannedRecording, ...] = ()
+    statement: str
+
+
 class GapReport(_Machine):
     """`report.json` of `mana gap find`."""
 
@@ -271,6 +330,7 @@ class GapReport(_Machine):
     engine_comparison: EngineComparison | None = None  # of mechanisms
     baseline: Baseline
     localisation: tuple[Localisation, ...] = ()
+    identifiable: tuple[IdentifiableEffect, ...] = ()  # of mechanisms
     hypotheses: tuple[Hypothesis, ...] = ()
     verdict: Verdict
     gains: tuple[Gain, ...] = ()

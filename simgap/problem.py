@@ -94,6 +94,16 @@ class JointMotion:
     q: FloatArray
 
 
+@dataclass(frozen=True)
+class ImaginedRecording:
+    """A recording that could be made next, as a model would give it, and how often: a name, what to do in words."""
+
+    name: str
+    words: str
+    system: TrialSystem
+    copies: int
+
+
 class Problem(Protocol):
     """A measurement of one kind with its simulator. The value of a method depends on its arguments alone.
 
@@ -151,6 +161,10 @@ class Problem(Protocol):
     def whole_trials(self, trials: Sequence[str]) -> TrialSystem | None:
         """Errors of whole trials with free starts; None where contacts make whole roll-outs diverge."""
         return None
+
+    def imagined_recordings(self, trials: Sequence[str], model: Model) -> tuple[ImaginedRecording, ...]:
+        """Further recordings that could be made of what moves in these trials; none where that is not known."""
+        return ()
 
     def timing_check(self) -> ConventionCheck | None:
         """When inputs act, inferred from motion; None where that is not inferred or leaves no alternative open."""
@@ -220,6 +234,11 @@ class TrialSystem(Protocol):
 
     def finer(self) -> TrialSystem:
         """The same in smaller steps: dearer, and for comparisons with the noise."""
+        ...
+
+    @property
+    def plain(self) -> TrialSystem:
+        """The same in the steps from which `finer` went: for changes of errors. Itself where it is not finer."""
         ...
 
     def with_noise_from(self, model: Model, starts: FloatArray) -> TrialSystem:

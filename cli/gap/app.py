@@ -67,6 +67,37 @@ def find_command(
         text.console.print(f"report: {escape(str(out / 'report.html'))}", soft_wrap=True)
 
 
+@app.command("plan")
+def plan_command(
+    measurement: Folder,
+    answer: Annotated[Path, typer.Argument(help="The folder that `mana gap find --out` wrote for it.", exists=True)],
+    as_json: AsJson = False,
+) -> None:
+    """Say which recording to make next, so that effects in doubt can be distinguished.
+
+    For each further recording that the same rig could make (smaller, slower, larger, faster or mirrored inputs, other
+    releases, a known load, repeats) it works out what a rival would leave unexplained if the effect that was found is
+    the true one, and whether that rejects the rival. The plan goes into `plan.json` beside the report.
+
+    Example: `mana gap plan recordings/door door_gap`
+    """
+    from cli.gap.plan import plan  # Loads the search.
+
+    value, _ = _read(measurement, as_json)
+    found = plan(value, answer)
+    if as_json:
+        print(found.model_dump_json(indent=1))
+        return
+    text.console.print(escape(found.statement), soft_wrap=True)
+    if found.recordings:
+        rows: list[dict[str, object]] = [
+            {"do": r.words, "left": f"{min(r.left):.3g}", "settles": "yes" if r.separates else "no"}
+            for r in found.recordings
+        ]
+        text.show_rows(rows, {"do": "recording", "left": "loss left", "settles": "settles it"})
+    text.console.print(f"plan: {escape(str(answer / 'plan.json'))}", soft_wrap=True)
+
+
 @app.command("simulate")
 def simulate_command(
     measurement: Folder,

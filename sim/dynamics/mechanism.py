@@ -108,7 +108,7 @@ def rollout(
     typical_s = _medians(np.diff(windows.t_s, axis=1))
     steps = np.maximum(1, np.ceil(typical_s / largest_step_s - _JITTER)).astype(int) * finer
     compiled = _compiled_rollout()
-    if compiled is not None and len(laws) <= compiled.MOST_LAWS:
+    if compiled is not None:
         return compiled.rollout(model, windows, laws, steps, typical_s, SUPPLY)
     return rollout_in_numpy(model, windows, laws, steps, typical_s)
 

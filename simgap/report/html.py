@@ -55,4 +55,5 @@ def render_page(report: GapReport, folder: Path) -> str:
         decisions=rows,
         counts=outcome_counts(rows),
         contrast=POLICY.contrast,
+        twin=POLICY.twin,
     )

@@ -41,10 +41,12 @@ from simgap.search_result import (
 )
 from simgap.whole_trials.check import check_whole_trials, confirmed
 from simgap.whole_trials.confidence_set import ConfidenceSet, confidence_set
+from simgap.whole_trials.fit_model import linearise
+from simgap.whole_trials.identifiability import identifiable, twins
 from simgap.whole_trials.judge import JudgedModel, judge
-from simgap.whole_trials.ladder import ladder_of, starts_up
+from simgap.whole_trials.ladder import Ladder, ladder_of, starts_up
 from simgap.whole_trials.policy import POLICY, Policy
-from simgap.whole_trials.score_test import Score
+from simgap.whole_trials.score_test import Score, scores
 from simgap.whole_trials.search_models import FittedModel, Growth, ModelSearch, search_models
 
 
@@ -80,7 +82,8 @@ def find_on_whole_trials(
     short = gain_of(problem, null, final, trials, "short_horizon", horizon_s)
     gains = (short, gain_between(check.null, check.final, "full_rollout", 0.0))
     strange = any(c.status == "suspect" for c in pairing_checks)
-    judgement = judge(problem, models, check, gains, trials.train, strange, policy)
+    same = _twins(ladder, search, models, problem.candidates(), policy)
+    judgement = judge(problem, models, check, gains, trials.train, strange, same, policy)
     decisions = _decisions(search, models, judgement, policy)
     report = GapReport(
         measurement=measurement,
@@ -90,6 +93,9 @@ def find_on_whole_trials(
         traps=(*checks, *pairing_checks, *([timing] if timing else [])),
         baseline=baseline_of(problem, trials),
         localisation=localisation,
+        identifiable=identifiable(ladder.whole, ladder.nulls[-1], search.growths[0].scores, policy)
+        if search.growths
+        else (),
         hypotheses=_hypotheses(search, judgement),
         verdict=judgement.verdict,
         gains=gains,
@@ -101,6 +107,29 @@ def find_on_whole_trials(
     )
     accepted = tuple(t.candidate for t in search.chosen.fit.effects)
     return SearchResult(report, extension_of(measurement, judgement.verdict.effects), final, accepted)
+
+
+def _twins(
+    ladder: Ladder, search: ModelSearch, models: ConfidenceSet, candidates: Sequence[Candidate], policy: Policy
+) -> dict[str, tuple[Candidate, ...]]:
+    """See `twins`, of the chosen model; without candidates that were fitted in an effect's place and rejected."""
+    fit = search.chosen.fit
+    if not fit.effects:
+        return {}
+    if search.size < len(search.growths):
+        beside = search.growths[search.size].scores
+    else:
+        rest = [c for c in candidates if c.key not in fit.keys]
+        beside = scores(ladder.whole, fit, linearise(ladder.whole, fit.model, fit.starts), rest)
+    rejected = {
+        (effect, other)
+        for model, decision in models.decisions
+        if decision.kept
+        for effect in fit.keys - model.fit.keys
+        for other in model.fit.keys - fit.keys
+    }
+    imitators = twins(ladder.whole, fit, beside, policy)
+    return {effect: tuple(c for c in same if (effect, c.key) not in rejected) for effect, same in imitators.items()}
 
 
 def _baselines(problem: Problem, null: Model, final: Model, trials: Trials, quick: bool) -> tuple[Rival, ...]:

@@ -7,6 +7,9 @@ matter; steps are damped (Levenberg, Marquardt).
 The deviance of a trial is its sum of squared errors in noise levels. Its loss is 2 n log((1 + deviance / n) / 2) for n
 rows: near the noise it changes as the deviance does, and a trial that no model follows, such as one that goes over the
 top the other way, does not outvote the others. Steps minimise it by weights 2 / (1 + deviance / n).
+
+Slopes cost a roll-out each. They are differenced in the plain steps of the system (`TrialSystem.plain`), and serve for
+further steps as long as these take off what the slopes promise (chord method; Ortega and Rheinboldt, 1970).
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ _DIFFERENCE = 1e-6  # of a parameter's range: larger ones separate what scales t
 _LARGEST_ERROR = 1e8  # noise levels beyond which an error counts no more: what is further off has diverged
 _START_PRIOR = 1e-3  # precision that holds a start in place, in its steps: a start may be of no effect
 _DAMPING, _MOST_DAMPING = 1e-3, 1e6
+_KEPT_PROMISE = 0.7  # share of the promised fall of the loss above which slopes serve for a further step
 _SINGULAR = 1e-12
 _AT_BOUND = 1e-3  # of a range
 _FIXED = 1e-5  # range of a value that bounds fix
@@ -37,7 +41,7 @@ class ModelFit:
     deviance    (t,) sum of squared errors in noise levels.
     rows        (t,) errors that were compared, less the start values that they determine.
     gradients   (t, p) of half the loss in shares of the parameters' ranges, starts eliminated, and
-                `trial_information` (t, p, p).
+                `trial_information` (t, p, p); p is 0 where only the starts were fitted.
     correlation of an error with the next one of its trial: more than none where errors are not noise.
     """
 
@@ -148,6 +152,18 @@ class Linearisation:
         plain = np.where(np.isfinite(errors), errors, 0.0)
         return replace(self, errors=plain * np.sqrt(self.weight)[:, None])
 
+    def at(self, errors: FloatArray) -> Linearisation:
+        """With errors (t, n), without weights, of other values and starts and the weights that belong to them."""
+        weight = weights(deviances(errors), rows_of(errors, self.start_slopes.shape[2]))
+        root = np.sqrt(weight / self.weight)[:, None, None]
+        moved = Linearisation(self.errors, self.parameter_slopes * root, self.start_slopes * root, weight)
+        return moved.with_errors(errors)
+
+    def promised(self, parameters: FloatArray, starts: FloatArray) -> float:
+        """Fall of the weighted squares by changes of parameters (p,), in shares of their ranges, and starts (t, s)."""
+        change = self.parameter_slopes @ parameters + np.einsum("tns,ts->tn", self.start_slopes, starts)
+        return -float((change * (2.0 * self.errors + change)).sum())
+
     def least_loss(self, prior: FloatArray) -> float:
         """Weighted squares that are left after a linear step of parameters, of this prior precision, and starts."""
         equations = self.reduced_equations()
@@ -246,41 +262,58 @@ def rows_of(errors: FloatArray, starts: int) -> FloatArray:
     return np.maximum(np.isfinite(errors).sum(axis=1) - starts, 1).astype(float)
 
 
-def linearise(system: TrialSystem, model: Model, starts: FloatArray, fixed: bool = False) -> Linearisation:
-    """Errors and slopes of a model at these starts; `fixed` leaves out the slopes in parameters."""
+def linearise(
+    system: TrialSystem, model: Model, starts: FloatArray, fixed: bool = False, errors: FloatArray | None = None
+) -> Linearisation:
+    """Errors and slopes of a model at these starts; `fixed` leaves out the slopes in parameters.
+
+    `errors` (t, n) are those of the model, where they are known.
+    """
+    if errors is None:
+        errors = errors_at(system, model, starts)
     steps = starts.shape[1]
     moved = np.repeat(starts[None], steps + 1, axis=0)
     for s in range(steps):
         moved[s + 1, :, s] += 1.0
-    plain, *after = clipped(system.errors(model, moved))
-    measured = np.isfinite(plain)
-    start_slopes = np.stack([a - plain for a in after], axis=2) if after else np.zeros((*plain.shape, 0))
-    columns = [] if fixed else _parameter_slopes(system, model, starts, plain)
-    slopes = np.stack(columns, axis=2) if columns else np.zeros((*plain.shape, 0))
-    weight = weights(deviances(plain), rows_of(plain, steps))
+    base, *after = clipped(system.plain.errors(model, moved))
+    measured = np.isfinite(errors)
+    start_slopes = np.stack([a - base for a in after], axis=2) if after else np.zeros((*base.shape, 0))
+    columns = [] if fixed else _parameter_slopes(system.plain, model, starts, base)
+    slopes = np.stack(columns, axis=2) if columns else np.zeros((*base.shape, 0))
+    weight = weights(deviances(errors), rows_of(errors, steps))
     root = np.sqrt(weight)[:, None]
     return Linearisation(
-        np.where(measured, plain, 0.0) * root,
+        np.where(measured, errors, 0.0) * root,
         np.where(measured[:, :, None], slopes, 0.0) * root[:, :, None],
         np.where(measured[:, :, None], start_slopes, 0.0) * root[:, :, None],
         weight,
     )
 
 
-def _parameter_slopes(system: TrialSystem, model: Model, starts: FloatArray, plain: FloatArray) -> list[FloatArray]:
+def _parameter_slopes(system: TrialSystem, model: Model, starts: FloatArray, base: FloatArray) -> list[FloatArray]:
     space, vector = Space.of(model), vector_of(model)
     out = []
     for p, span in enumerate(space.span):
         if span < _FIXED:
-            out.append(np.zeros_like(plain))
+            out.append(np.zeros_like(base))
             continue
         h = _DIFFERENCE * span
         if vector[p] + h > space.high[p]:
             h = -h
         moved = vector.copy()
         moved[p] += h
-        out.append((clipped(system.errors(with_vector(model, moved), starts[None]))[0] - plain) / h * span)
+        out.append((errors_at(system, with_vector(model, moved), starts) - base) / h * span)
     return out
+
+
+@dataclass(frozen=True)
+class _Point:
+    """Values (p,) and starts (t, s) of a fit with their errors (t, n) and cost."""
+
+    vector: FloatArray
+    starts: FloatArray
+    errors: FloatArray
+    cost: float
 
 
 def fit_model(
@@ -294,24 +327,41 @@ def fit_model(
 ) -> ModelFit:
     """The model fitted from its values and these starts (t, s); `fixed` fits the starts alone.
 
-    Values stay within the candidates' bounds.
+    Values stay within the candidates' bounds. `iterations` counts how often slopes are computed.
     """
-    space, vector = Space.of(model), vector_of(model)
-    cost = loss_at(system, model, starts) + space.penalty(vector)
-    damping = _DAMPING
-    for _ in range(iterations or policy.iterations):
-        linear = linearise(system, with_vector(model, vector), starts, fixed)
-        stepped = None
+    space = Space.of(model)
+    point = _point_at(system, model, space, vector_of(model), starts)
+    linear = linearise(system, model, starts, fixed, point.errors)
+    fresh, damping, left = True, _DAMPING, (iterations or policy.iterations) - 1
+    while True:
+        stepped, worth = None, 0.0
         while damping <= _MOST_DAMPING and stepped is None:
-            stepped = _try_step(system, model, linear, space, vector, starts, cost, damping, fixed)
+            stepped = _try_step(system, model, linear, space, point, damping, worth, fixed)
+            worth = policy.least_step  # The first step is for free, and ends nearer to the best values.
+            if stepped is None and not fresh:
+                break
             damping = damping * 10.0 if stepped is None else max(damping / 10.0, 1e-7)
-        if stepped is None:
+        if stepped is None and fresh:
             break
-        before, (vector, starts, cost) = cost, stepped
-        if before - cost < policy.least_step:
+        if stepped is not None:
+            (after, promised), fall = stepped, point.cost - stepped[0].cost
+            point, damping = after, min(damping, 1.0)
+            linear = linear.at(after.errors)
+            if fresh and fall < policy.least_step:
+                break
+            if fall >= max(_KEPT_PROMISE * promised, policy.least_step):
+                fresh = False
+                continue
+        if not left:
             break
-        damping = min(damping, 1.0)
-    return fit_at(system, with_vector(model, vector), starts)
+        linear = linearise(system, with_vector(model, point.vector), point.starts, fixed, point.errors)
+        fresh, left = True, left - 1
+    return _fit_of(system, with_vector(model, point.vector), point, linear)
+
+
+def _point_at(system: TrialSystem, model: Model, space: Space, vector: FloatArray, starts: FloatArray) -> _Point:
+    errors = errors_at(system, with_vector(model, vector), starts)
+    return _Point(vector, starts, errors, _loss_of(errors, starts.shape[1]) + space.penalty(vector))
 
 
 def _try_step(
@@ -319,38 +369,55 @@ def _try_step(
     model: Model,
     linear: Linearisation,
     space: Space,
-    vector: FloatArray,
-    starts: FloatArray,
-    cost: float,
+    point: _Point,
     damping: float,
+    least: float,
     fixed: bool,
-) -> tuple[FloatArray, FloatArray, float] | None:
-    """Values, starts and cost after a damped step; None where the cost does not fall."""
-    moved, equations = vector, linear.reduced_equations(damping)
-    if not fixed and len(vector):
+) -> tuple[_Point, float] | None:
+    """The point after a damped step and the fall that it promised; None where it promises less than `least`, or where
+    the cost does not fall.
+    """
+    moved, equations = point.vector, linear.reduced_equations(damping)
+    if not fixed and len(moved):
         prior = space.prior_precision * space.span**2
-        pull = space.prior_precision * space.span * (vector - space.prior_mean)
-        moved = np.clip(vector + equations.step(damping, prior, pull) * space.span, space.low, space.high)
-    shares = (moved - vector) / space.span if not fixed else np.zeros(0)
-    after = starts + equations.starts_after(shares)
-    lower = loss_at(system, with_vector(model, moved), after) + space.penalty(moved)
-    return (moved, after, lower) if lower < cost else None
+        pull = space.prior_precision * space.span * (point.vector - space.prior_mean)
+        moved = np.clip(point.vector + equations.step(damping, prior, pull) * space.span, space.low, space.high)
+    shares = (moved - point.vector) / space.span if not fixed else np.zeros(0)
+    change = equations.starts_after(shares)
+    promised = linear.promised(shares, change) + space.penalty(point.vector) - space.penalty(moved)
+    if promised < least:
+        return None
+    after = _point_at(system, model, space, moved, point.starts + change)
+    return (after, promised) if after.cost < point.cost else None
+
+
+def errors_at(system: TrialSystem, model: Model, starts: FloatArray) -> FloatArray:
+    """(t, n) of a model at given values and starts, clipped."""
+    return clipped(system.errors(model, starts[None]))[0]
 
 
 def loss_at(system: TrialSystem, model: Model, starts: FloatArray) -> float:
     """Sum of the losses of a model at given values and starts."""
-    errors = clipped(system.errors(model, starts[None]))[0]
-    return float(losses(deviances(errors), rows_of(errors, starts.shape[1])).sum())
+    return _loss_of(errors_at(system, model, starts), starts.shape[1])
+
+
+def _loss_of(errors: FloatArray, starts: int) -> float:
+    return float(losses(deviances(errors), rows_of(errors, starts)).sum())
 
 
 def fit_at(system: TrialSystem, model: Model, starts: FloatArray) -> ModelFit:
     """The record of a model at given values and starts."""
-    linear = linearise(system, model, starts)
+    errors = errors_at(system, model, starts)
+    point = _Point(vector_of(model), starts, errors, 0.0)
+    return _fit_of(system, model, point, linearise(system, model, starts, errors=errors))
+
+
+def _fit_of(system: TrialSystem, model: Model, point: _Point, linear: Linearisation) -> ModelFit:
     equations = linear.reduced_equations()
-    errors = clipped(system.errors(model, starts[None]))[0]
-    rows = rows_of(errors, starts.shape[1])
+    rows = rows_of(point.errors, point.starts.shape[1])
     correlation = _correlation(system, linear)
-    return ModelFit(model, starts, deviances(errors), rows, equations.information, equations.gradient, correlation)
+    deviance = deviances(point.errors)
+    return ModelFit(model, point.starts, deviance, rows, equations.information, equations.gradient, correlation)
 
 
 def _correlation(system: TrialSystem, linear: Linearisation) -> float:

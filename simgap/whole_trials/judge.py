@@ -6,7 +6,7 @@ excludes none, the inputs belong to the motions, and the direct route, which sim
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from schemas.gap import AmbiguousGroup, Gain, NamedEffect, Reason, Verdict
@@ -39,9 +39,13 @@ def judge(
     gains: Sequence[Gain],
     trials: Sequence[str],
     strange: bool,
+    twins: Mapping[str, Sequence[Candidate]],
     policy: Policy,
 ) -> JudgedModel:
-    """The verdict on the chosen model. Where the data are `strange`, nothing is sure: inputs may be another trial's."""
+    """The verdict on the chosen model. Where the data are `strange`, nothing is sure: inputs may be another trial's.
+
+    `twins` are candidates by the key of the effect whose place they could take (`identifiability`).
+    """
     chosen = models.models[0].fit
     widths = half_widths(chosen, _NORMAL_95)
     named: list[NamedEffect] = []
@@ -50,7 +54,8 @@ def judge(
     direct: dict[str, tuple[DirectEstimate | None, Decision]] = {}
     for term in chosen.effects:
         own, others = widths[term.candidate.key], tuple(t for t in chosen.model if t is not term)
-        others_like_it = (*models.alternatives(term), *_same_law(problem, term.candidate))
+        like_it = (*twins.get(term.candidate.key, ()), *_same_law(problem, term.candidate))
+        others_like_it = (*models.alternatives(term), *like_it)
         alternatives = list({a.key: a for a in others_like_it if not _same_name(a, term.candidate)}.values())
         estimate, agreement = _direct_agreement(problem, term, own, others, trials)
         direct[term.candidate.key] = estimate, agreement

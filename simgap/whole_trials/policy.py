@@ -26,6 +26,8 @@ class Policy:
     beam              models that the next step extends.
     least_score       loss that a linear step must take off: less is noise (99.5 % of chi-squared with one degree).
     idle              loss that a threshold may cost and count as one that no trial reaches.
+    twin              times what is noticed, from which on two effects count as one on these recordings: effects ten
+                      times as strong as what is noticed are rare.
     full_fits         candidates per extended model that are fitted to the end, best score first.
     promising         share of the best score that a candidate needs to be fitted to the end; the `fewest` best of each
                       rung are in any case, because a score is that of a linear step.
@@ -51,6 +53,7 @@ class Policy:
     beam: int = 2
     least_score: float = 8.0
     idle: float = 0.5
+    twin: float = 10.0
     full_fits: int = 9
     promising: float = 0.2
     fewest: int = 3

@@ -15,7 +15,7 @@ import numpy as np
 from schemas.arrays import FloatArray
 from sim.effects.effect import Scan
 from simgap.problem import Candidate, Term, TrialSystem
-from simgap.whole_trials.fit_model import Linearisation, ModelFit, Space, clipped, solve_safely, vector_of
+from simgap.whole_trials.fit_model import Linearisation, ModelFit, Space, errors_at, solve_safely, vector_of
 
 _SMALL_SHARE_OF_RANGE = 0.01  # of a strength's range
 _DIGITS = 6  # of a loss
@@ -24,11 +24,15 @@ _HALVINGS, _NEAREST = 4, 2  # of the way to the nearest thresholds that were tri
 
 @dataclass(frozen=True)
 class Score:
-    """A candidate with the loss that a linear step takes off, and values to begin fits from, best first."""
+    """A candidate with the loss that a linear step takes off, and values to begin fits from, best first.
+
+    probed   the values, of one group, whose changes gave that loss.
+    """
 
     candidate: Candidate
     reduction: float
     begins: tuple[dict[str, float], ...]
+    probed: tuple[dict[str, float], ...]
 
 
 def scores(
@@ -41,22 +45,31 @@ def scores(
     prior = space.prior_precision[inside] * span**2
     pull = space.prior_precision[inside] * span * (vector - space.prior_mean)[inside]
     base = linear.only(inside)
-    ranked = [_score(system, fit, base, prior, pull, c) for c in candidates]
+    probe = _Probe(system.plain, fit, errors_at(system.plain, fit.model, fit.starts))
+    ranked = [_score(probe, base, prior, pull, c) for c in candidates]
     return tuple(sorted(ranked, key=lambda s: (-s.reduction, s.candidate.key)))
 
 
-def _score(
-    system: TrialSystem, fit: ModelFit, base: Linearisation, prior: FloatArray, pull: FloatArray, candidate: Candidate
-) -> Score:
+@dataclass(frozen=True)
+class _Probe:
+    """A fitted model on a system, with its errors (t, n)."""
+
+    system: TrialSystem
+    fit: ModelFit
+    errors: FloatArray
+
+    def change(self, term: Term) -> FloatArray:
+        """(t, n) change of the errors by a further term; zero where nothing was measured."""
+        errors = errors_at(self.system, (*self.fit.model, term), self.fit.starts)
+        return np.where(np.isfinite(errors), errors - self.errors, 0.0)
+
+
+def _score(probe: _Probe, base: Linearisation, prior: FloatArray, pull: FloatArray, candidate: Candidate) -> Score:
     if candidate.extra_starts:
-        return _threshold_score(system, fit, base, prior, candidate)
-    best = Score(candidate, 0.0, ())
-    plain = base.errors / np.sqrt(base.weight)[:, None]
+        return _threshold_score(probe, base, prior, candidate)
+    best: Score | None = None
     for group in _probe_groups(candidate):
-        changes = []
-        for values in group:
-            errors = clipped(system.errors((*fit.model, Term(candidate, values)), fit.starts[None]))[0]
-            changes.append(np.where(np.isfinite(errors), errors, 0.0) - plain)
+        changes = [probe.change(Term(candidate, values)) for values in group]
         equations = base.with_parameters(np.stack(changes, axis=2)).reduced_equations()
         count = len(group)
         total = equations.information.sum(axis=0) + np.diag(np.concatenate([prior, np.zeros(count)]))
@@ -65,20 +78,20 @@ def _score(
         reduction = float(-gradient @ move)
         without = -solve_safely(total[:-count, :-count], gradient[:-count])
         reduction -= float(-gradient[:-count] @ without)
-        if reduction > best.reduction:
-            best = Score(candidate, reduction, (_moved(candidate, group, move[-count:]), group[0]))
+        if best is None or reduction > best.reduction:
+            begins = (_moved(candidate, group, move[-count:]), group[0]) if reduction > 0.0 else ()
+            best = Score(candidate, max(reduction, 0.0), begins, tuple(group))
+    assert best is not None  # Every candidate is probed.
     return best
 
 
-def _threshold_score(
-    system: TrialSystem, fit: ModelFit, base: Linearisation, prior: FloatArray, candidate: Candidate
-) -> Score:
+def _threshold_score(probe: _Probe, base: Linearisation, prior: FloatArray, candidate: Candidate) -> Score:
     """The best of several thresholds, taken as they are, and then of those halfway to its neighbours."""
     before = base.least_loss(prior)
+    plain = base.errors / np.sqrt(base.weight)[:, None]
 
     def reduction(values: dict[str, float]) -> float:
-        errors = clipped(system.errors((*fit.model, Term(candidate, values)), fit.starts[None]))[0]
-        return before - base.with_errors(errors).least_loss(prior)
+        return before - base.with_errors(plain + probe.change(Term(candidate, values))).least_loss(prior)
 
     tried = [(_off_null(candidate, start)) for start in candidate.extra_starts]
     # Of thresholds that nothing reaches, all alike, the one nearest to what moves.
@@ -92,7 +105,7 @@ def _threshold_score(
             tried.append(middle)
             if (gain := reduction(middle)) > least:
                 least, best = gain, middle
-    return Score(candidate, max(least, 0.0), (best,) if least > 0.0 else ())
+    return Score(candidate, max(least, 0.0), (best,) if least > 0.0 else (), (best,))
 
 
 def _apart(candidate: Candidate, a: dict[str, float], b: dict[str, float]) -> float:

@@ -17,6 +17,7 @@ from sim.dynamics.compiled.inputs import (
     PD_DRIVE,
     TORQUE_LAW,
     Inputs,
+    call_law,
     jit,
 )
 from sim.dynamics.hooks import JointState
@@ -144,7 +145,7 @@ def _kick(
         if kinds[i] == EFFORT_LAW:
             j = places[i]
             state = JointState(t_s, q[j], qd[j], effort[j], dt_s, nan, nan, nan, volts)
-            effort[j] = laws[i](state, values[i], memory[i])
+            effort[j] = call_law(laws[i], state, values[i], memory[i])
     _bias(form, planar, tree, q, middle, matrices, spatial, rotations, net)
     for j in range(joints):
         net[j] = effort[j] - net[j]
@@ -152,7 +153,7 @@ def _kick(
         if kinds[i] == TORQUE_LAW:
             j = places[i]
             state = JointState(t_s, q[j], qd[j], effort[j], dt_s, nan, nan, nan, volts)
-            net[j] += laws[i](state, values[i], memory[i])
+            net[j] += call_law(laws[i], state, values[i], memory[i])
     _mass(form, planar, tree, q, matrices, spatial, rotations, vectors)
     for i in range(joints):
         momentum = h * net[i]
@@ -176,7 +177,7 @@ def _kick(
                 state = JointState(
                     t_s, q[j], qd[j], effort[j], dt_s, load[j] if by_load else nan, largest[j], direction, volts
                 )
-                largest[j] += laws[i](state, values[i], memory[i])
+                largest[j] += call_law(laws[i], state, values[i], memory[i])
         for j in range(joints):
             largest[j] = h * np.maximum(largest[j], 0.0)
         for j in range(joints):

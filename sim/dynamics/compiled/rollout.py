@@ -16,15 +16,13 @@ from sim.dynamics.compiled.inputs import (
     EFFORT_DRIVE,
     EFFORT_LAW,
     FRICTION_LAW,
-    MOST_LAWS,
     MOST_MEMORY,
     MOST_VALUES,
     NO_DRIVE,
     PD_DRIVE,
     TORQUE_LAW,
     Inputs,
-    no_law,
-    pointer_to,
+    address_of,
 )
 from sim.dynamics.compiled.separate_joints import roll_separate
 from sim.dynamics.hooks import EffortMap, JointFriction, JointTorque, StepHook
@@ -45,18 +43,14 @@ def rollout(
     joints = len(model.tree)
     drive = model.drive
     none = np.zeros((0, 0, 0))
-    values, memory = np.zeros((MOST_LAWS, MOST_VALUES)), np.zeros((MOST_LAWS, MOST_MEMORY))
-    kinds, places = np.zeros(MOST_LAWS, dtype=np.int64), np.zeros(MOST_LAWS, dtype=np.int64)
+    values, memory = np.zeros((len(laws), MOST_VALUES)), np.zeros((len(laws), MOST_MEMORY))
+    kinds, places, addresses = (np.zeros(len(laws), dtype=np.int64) for _ in range(3))
     for i, law in enumerate(laws):
         hook = law.hook
         assert isinstance(hook, EffortMap | JointTorque | JointFriction)
         values[i, : len(hook.names)] = [law.params[name] for name in hook.names]
         memory[i, : hook.memory] = np.nan
-        kinds[i], places[i] = _KINDS[type(hook)], law.joint
-    pointers = tuple(
-        pointer_to(law.hook.law) for law in laws if isinstance(law.hook, EffortMap | JointTorque | JointFriction)
-    )
-    pointers += (pointer_to(no_law),) * (MOST_LAWS - len(laws))
+        kinds[i], places[i], addresses[i] = _KINDS[type(hook)], law.joint, address_of(hook.law)
     by_load = any(isinstance(law.hook, JointFriction) and law.hook.by_load for law in laws)
     friction = (kinds == FRICTION_LAW).any() or bool(model.friction.any())
     volts = windows.aux.get(supply)
@@ -76,7 +70,7 @@ def rollout(
         np.full((worlds, stamps), np.nan) if volts is None else np.ascontiguousarray(volts, dtype=float),
         np.broadcast_to(np.asarray(model.friction, dtype=float), joints).copy(),
         np.broadcast_to(np.asarray(model.damping, dtype=float), joints).copy(),
-        pointers,
+        addresses,
         kinds,
         places,
         values,

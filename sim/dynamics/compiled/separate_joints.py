@@ -15,6 +15,7 @@ from sim.dynamics.compiled.inputs import (
     PD_DRIVE,
     TORQUE_LAW,
     Inputs,
+    call_law,
     jit,
 )
 from sim.dynamics.hooks import JointState
@@ -108,7 +109,7 @@ def _kick_separate(
     nan = np.nan
     for n in range(ends[EFFORT_LAW]):
         i = order[n]
-        effort = laws[i](JointState(t_s, q, qd, effort, dt_s, nan, nan, nan, volts), values[i], memory[i])
+        effort = call_law(laws[i], JointState(t_s, q, qd, effort, dt_s, nan, nan, nan, volts), values[i], memory[i])
     net = effort - numbers[1]
     turns = numbers[2] != 0.0 or numbers[3] != 0.0 or by_load
     cosine, sine = (np.cos(q), np.sin(q)) if turns else (0.0, 0.0)
@@ -116,7 +117,7 @@ def _kick_separate(
         net = effort - (numbers[1] + numbers[2] * cosine + numbers[3] * sine)
     for n in range(ends[EFFORT_LAW], ends[TORQUE_LAW]):
         i = order[n]
-        net += laws[i](JointState(t_s, q, qd, effort, dt_s, nan, nan, nan, volts), values[i], memory[i])
+        net += call_law(laws[i], JointState(t_s, q, qd, effort, dt_s, nan, nan, nan, volts), values[i], memory[i])
     heavy = numbers[0] + h * damping
     out = (numbers[0] * qd + h * net) / heavy
     if has_friction:
@@ -129,8 +130,8 @@ def _kick_separate(
         for n in range(ends[TORQUE_LAW], ends[FRICTION_LAW]):
             i = order[n]
             direction = -1.0 if out < -1e-9 else 1.0
-            largest += laws[i](
-                JointState(t_s, q, qd, effort, dt_s, load, largest, direction, volts), values[i], memory[i]
+            largest += call_law(
+                laws[i], JointState(t_s, q, qd, effort, dt_s, load, largest, direction, volts), values[i], memory[i]
             )
         change = h * np.maximum(largest, 0.0) / heavy
         out -= np.minimum(np.maximum(out, -change), change)

@@ -41,6 +41,7 @@ class MechanismTrials:
     noise      (j,) of readings, rad or m.
     missing    (t, n, j) readings that are not compared, padded to the longest trial.
     count      pieces into which each trial, or part without a gap, is cut; fewer where they would get too short.
+    steps      as many in the place of each that windows need.
     """
 
     declared: MechanismModel
@@ -50,6 +51,7 @@ class MechanismTrials:
     noise: FloatArray
     missing: BoolArray
     count: int = 1
+    steps: float = 1.0
     _windows: dict[tuple[object, ...], tuple[Windows, FloatArray]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -128,7 +130,7 @@ class MechanismTrials:
         joints = self.channel_count
         offsets = starts * self.start_steps
         many = windows_from_starts(windows, windows.q0 + offsets[..., :joints], windows.qd0 + offsets[..., joints:])
-        q, _ = rollout(applied.mechanism, many, applied.laws, largest_step_s=self.step_s)
+        q, _ = rollout(applied.mechanism, many, applied.laws, largest_step_s=self.step_s / self.steps)
         q = q[:, ::finer]
         if applied.sensors:
             lengths = np.array([len(rows) for _, rows in self._cuts])
@@ -145,7 +147,16 @@ class MechanismTrials:
 
     def finer(self) -> MechanismTrials:
         """See `TrialSystem`."""
-        return replace(self, step_s=self.step_s / _FINER_STEPS)
+        return replace(self, steps=_FINER_STEPS)
+
+    @property
+    def plain(self) -> MechanismTrials:
+        """See `TrialSystem`."""
+        return self._plain if self.steps > 1.0 else self
+
+    @cached_property
+    def _plain(self) -> MechanismTrials:
+        return replace(self, steps=1.0)
 
     def with_noise_from(self, model: Model, starts: FloatArray) -> MechanismTrials:
         """See `TrialSystem`: the noise from second differences, which what moves smoothly hardly changes."""

@@ -55,6 +55,10 @@ class Drawn:
     def finer(self) -> Drawn:
         return self
 
+    @property
+    def plain(self) -> Drawn:
+        return self
+
     def with_noise_from(self, model: Model, starts: FloatArray) -> Drawn:
         return self
 

@@ -34,7 +34,7 @@ def judged(
     whole = gain_between(check.null, check.final, "full_rollout", 0.0)
     short = whole.model_copy(update={"view": "short_horizon", "horizon_s": 0.2})
     problem = cast(Problem, cast(Any, DrawnProblem(direct)))
-    return judge(problem, confidence_set(search, POLICY), check, (short, whole), test.trial_ids, strange, POLICY)
+    return judge(problem, confidence_set(search, POLICY), check, (short, whole), test.trial_ids, strange, {}, POLICY)
 
 
 def reasons(judgement: JudgedModel) -> set[Reason]:
@@ -95,6 +95,19 @@ def test_inputs_of_other_trials_make_nothing_sure() -> None:
     assert all(e.confidence < NAMED for e in found.verdict.effects)
 
 
+def test_a_rival_that_was_not_fitted_is_named_beside_an_effect_whose_place_it_could_take() -> None:
+    ramp, late, wave = candidates("ramp late wave")
+    search = search_models(ladder_of(Drawn({"ramp": 6.0}), (), POLICY), [ramp, wave], POLICY)
+    null, chosen = search.null.fit, search.chosen.fit
+    test = Drawn({"ramp": 6.0}, seed=1)
+    check = check_whole_trials(test, null.model, chosen.model, (null, chosen), POLICY)
+    whole = gain_between(check.null, check.final, "full_rollout", 0.0)
+    problem, models = cast(Problem, cast(Any, DrawnProblem(AGREES))), confidence_set(search, POLICY)
+    for twins, groups in ({ramp.key: (late,)}, [("ramp", "late")]), ({wave.key: (late,)}, []):
+        found = judge(problem, models, check, (whole, whole), test.trial_ids, False, twins, POLICY)
+        assert [g.effects for g in found.verdict.ambiguous_groups] == groups
+
+
 def test_one_law_with_two_names_is_a_group_although_only_one_was_fitted() -> None:
     ramp, wave = candidates("ramp wave")
     twin = replace(ramp, effect=cast(Any, Named("late ramp")))
@@ -105,5 +118,5 @@ def test_one_law_with_two_names_is_a_group_although_only_one_was_fitted() -> Non
     check = check_whole_trials(test, null.model, chosen.model, (null, chosen), POLICY)
     whole = gain_between(check.null, check.final, "full_rollout", 0.0)
     problem = cast(Problem, cast(Any, DrawnProblem(AGREES, (ramp, twin, wave))))
-    found = judge(problem, confidence_set(search, POLICY), check, (whole, whole), test.trial_ids, False, POLICY)
+    found = judge(problem, confidence_set(search, POLICY), check, (whole, whole), test.trial_ids, False, {}, POLICY)
     assert [g.effects for g in found.verdict.ambiguous_groups] == [("ramp", "late ramp")]
