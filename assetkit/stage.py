@@ -17,6 +17,7 @@ from jobs.cache import Cache
 from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
 from schemas.arrays import FloatArray
+from schemas.articulation import JointUse, SweptVolume
 from schemas.asset import (
     AcceptanceSection,
     AppearanceSection,
@@ -136,6 +137,8 @@ class Semantics:
 class Interaction:
     """Parts of the object and its front; anchors are proposals until acceptance. `cavities` are the openings of the
     solid, for later stages. `material` is the material of the whole object, by names, use and surface appearance.
+    `joint_uses` are those of an articulated object, without swept volumes; `link_cavities` the openings of the solids
+    of its links by name, as far as they were looked for.
     """
 
     parts: tuple[Evidence[Part], ...] = ()
@@ -143,6 +146,8 @@ class Interaction:
     anchors: tuple[Anchor, ...] = ()
     cavities: tuple[Cavity, ...] = ()
     front: Front | None = None
+    joint_uses: tuple[JointUse, ...] = ()
+    link_cavities: dict[str, tuple[Cavity, ...]] = field(default_factory=dict[str, tuple[Cavity, ...]])
 
 
 @dataclass(frozen=True)
@@ -150,7 +155,8 @@ class Physics:
     """Collision shapes, mass properties and contact parameters.
 
     `surfaces` and `shape_surfaces` as in `schemas.package.PackageContent`. Of an articulated object `shapes` are those
-    of all links at rest, `mass` that of all together, and `links` says what belongs to which.
+    of all links at rest, `mass` that of all together, and `links` says what belongs to which; `swept` is what the
+    links below each joint that moves on its own sweep, by the name of the joint.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -163,6 +169,7 @@ class Physics:
     shape_surfaces: tuple[int, ...] = ()
     links: tuple[LinkBody, ...] = ()
     filtered_pairs: tuple[tuple[str, str], ...] = ()
+    swept: dict[str, SweptVolume] = field(default_factory=dict[str, SweptVolume])
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,9 @@ from pydantic import BaseModel, ConfigDict, Field, SerializeAsAny
 from schemas.anchors import Point3
 from schemas.evidence import Evidence
 
-RegionKind = Literal["rim", "handle", "spout", "hang_hole", "lid", "knob", "button"]
+RegionKind = Literal["rim", "handle", "spout", "hang_hole", "lid", "knob", "button", "edge"]
 Task = Literal["pour", "carry", "hang", "open", "turn", "press"]
-Interaction = Literal["tilt", "wrap", "hook", "lift_off", "twist", "push"]
+Interaction = Literal["tilt", "wrap", "hook", "lift_off", "twist", "push", "pull"]
 Trial = Literal["held", "not_held", "untried"]
 WHOLE = "object"  # The part that an affordance belongs to when no named part carries it.
 
@@ -74,7 +74,7 @@ class Region(_Model):
     `position_m` is its middle, `direction` the unit vector out of the object there (for a hole: through it), and
     `outline_m` points along it in order: the loop of a rim or hole, the axis of a bar, the ends of a lip.
     `size_m` is what a gripper or hook must fit: diameter of an opening or hole, thickness of a bar, edge of a button.
-    `held_by` names grasps that take it.
+    `held_by` names grasps that take it. `joint` is the joint of an articulated object that it moves.
     """
 
     kind: RegionKind
@@ -87,6 +87,7 @@ class Region(_Model):
     outline_m: tuple[Point3, ...]
     size_m: float
     held_by: tuple[str, ...] = ()
+    joint: str | None = Field(default=None, exclude_if=lambda joint: joint is None)
     orientation: OrientationRequirement | None = None
 
 

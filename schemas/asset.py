@@ -43,7 +43,18 @@ def matrix3(values: FloatArray) -> Matrix3:
     return a, b, c
 
 
-Role = Literal["manipulated", "receptacle", "tool", "fixture", "mechanism", "support", "distractor"]
+Role = Literal[
+    "manipulated",
+    "receptacle",
+    "tool",
+    "fixture",
+    "mechanism",
+    "support",
+    "distractor",
+    "openable",
+    "turnable",
+    "pressable",
+]
 
 
 class _Section(BaseModel):

@@ -68,6 +68,9 @@ class Part(_Model):
     low_m: Point3
     high_m: Point3
     parent: str | None = None
+    link: str | None = Field(
+        default=None, exclude_if=lambda link: link is None, description="of an articulated object, if it is on one only"
+    )
 
     def mask(self, mesh: str, count: int) -> IntArray:
         """(count,) True at the triangles of `mesh` that belong to it."""

@@ -1,7 +1,8 @@
 """Verifies proposed anchors in simulation: probes released onto a surface or into a volume must come to rest there.
 
 Small boxes are released at positions spread over each surface, small balls at positions over each opening, above the
-colliders as released. An anchor is verified when most of its probes end on or in it.
+colliders as released; where an opening is level, on the floor behind it. An anchor is verified when most of its probes
+end on or in it.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import shapely
 
 from assetkit.affordances.anchors import shape_of
 from geom.convex.support_function import diagonal
+from geom.features.containment import UPWARD_COSINE
 from geom.pose import pose
 from schemas.anchors import Anchor, ContainmentVolume, SupportSurface
 from schemas.arrays import BoolArray, FloatArray
@@ -43,34 +45,70 @@ class VerifiedAnchors:
     diagnostics: tuple[Diagnostic, ...]
 
 
+@dataclass(frozen=True)
+class AnchorTrial:
+    """How many of the probes of one anchor ended on or in it."""
+
+    staying: int
+    probes: int
+
+    @property
+    def share(self) -> float:
+        """Share of the probes."""
+        return self.staying / self.probes
+
+    @property
+    def holds(self) -> bool:
+        """Whether the anchor is verified."""
+        return self.share >= STAY_SHARE
+
+
 def verify_anchors(
     proposed: Sequence[Anchor], fixed: Sequence[CollisionShape], simulator: Simulator
 ) -> VerifiedAnchors:
     """Each proposed anchor of an object with the collision shapes `fixed` (asset frame), tried in one simulation."""
-    if not proposed:
-        return VerifiedAnchors((), ())
+    trials = try_anchors(proposed, fixed, simulator)
+    pairs = list(zip(proposed, trials, strict=True))
+    holding = [verified_anchor(anchor, trial, simulator.name) for anchor, trial in pairs if trial.holds]
+    return VerifiedAnchors(
+        tuple(holding), tuple(unverified(anchor, trial) for anchor, trial in pairs if not trial.holds)
+    )
+
+
+def try_anchors(
+    anchors: Sequence[Anchor], fixed: Sequence[CollisionShape], simulator: Simulator
+) -> tuple[AnchorTrial, ...]:
+    """What the probes of each anchor do over the collision shapes `fixed`, all in one simulation."""
+    if not anchors:
+        return ()
     size = diagonal(fixed)
-    probes = [_probes(anchor, size) for anchor in proposed]
+    probes = [_probes(anchor, size) for anchor in anchors]
     ended = simulator.drop_probes(
         fixed, [p for of_anchor in probes for p in of_anchor], DURATION * natural_time_s(size)
     )
-    holding, failed = list[Evidence[Anchor]](), list[Diagnostic]()
+    trials: list[AnchorTrial] = []
     first = 0
-    for anchor, of_anchor in zip(proposed, probes, strict=True):
+    for anchor, of_anchor in zip(anchors, probes, strict=True):
         part = slice(first, first + len(of_anchor))
         end = ProbeResult(ended.centres_m[part], ended.lowest_m[part], ended.speeds_mps[part])
         stays = _stays(anchor, end, size)
         first += len(of_anchor)
-        share, count = float(stays.mean()), f"{int(stays.sum())} of {len(stays)} probes"
-        if share >= STAY_SHARE:
-            holding.append(measured(anchor, f"geometry; {count} stay in {simulator.name}", confidence=share))
-        else:
-            preposition = "on" if anchor.kind == "surface" else "in"
-            headline = f"{anchor.anchor_id}: {count} stay {preposition} it, so it is left out"
-            failed.append(
-                finding("asset/anchor-unverified", headline, value=share, bound=STAY_SHARE, unit="of the probes")
-            )
-    return VerifiedAnchors(tuple(holding), tuple(failed))
+        trials.append(AnchorTrial(int(stays.sum()), len(stays)))
+    return tuple(trials)
+
+
+def verified_anchor(anchor: Anchor, trial: AnchorTrial, simulator: str, state: str = "") -> Evidence[Anchor]:
+    """The anchor with its evidence; `state` says where joints were, if not at rest."""
+    method = f"geometry; {trial.staying} of {trial.probes} probes stay in {simulator}{state}"
+    return measured(anchor, method, confidence=trial.share)
+
+
+def unverified(anchor: Anchor, trial: AnchorTrial, state: str = "") -> Diagnostic:
+    """The finding on an anchor that does not hold."""
+    preposition = "on" if anchor.kind == "surface" else "in"
+    count = f"{trial.staying} of {trial.probes} probes"
+    headline = f"{anchor.anchor_id}: {count} stay {preposition} it{state}, so it is left out"
+    return finding("asset/anchor-unverified", headline, value=trial.share, bound=STAY_SHARE, unit="of the probes")
 
 
 def _probes(anchor: Anchor, size: float) -> list[CollisionShape]:
@@ -93,10 +131,14 @@ def _balls(volume: ContainmentVolume) -> list[CollisionShape]:
     x, y, z = volume.position_m
     radius = min(BALL_OF_PASSING * 0.5 * volume.passes_m, BALL_OF_HEIGHT * volume.height_m)
     positions = _probe_positions(shape_of(volume.opening, x, y), 1.5 * radius)
-    return [
-        CollisionShape("sphere", (radius,), pose(None, (px, py, z + volume.height_m + 1.2 * radius)))
-        for px, py in positions
-    ]
+    # Into a volume that opens sideways nothing falls: its balls are released inside.
+    start = volume.height_m + 1.2 * radius if opens_up(volume) else 1.2 * radius
+    return [CollisionShape("sphere", (radius,), pose(None, (px, py, z + start))) for px, py in positions]
+
+
+def opens_up(volume: ContainmentVolume) -> bool:
+    """Whether things fall into a volume, as against one behind a door."""
+    return volume.direction[2] >= UPWARD_COSINE
 
 
 def _stays(anchor: Anchor, end: ProbeResult, size: float) -> BoolArray:

@@ -35,11 +35,16 @@ def propose_anchors(solid: Solid, cavities: Sequence[Cavity]) -> tuple[Anchor, .
     if solid.kind == "hull":
         return ()
     volumes = find_containments(solid, cavities)
-    surfaces = [s for s in find_supports(solid) if not any(_is_ground(s, volume) for volume in volumes)]
+    surfaces = usable_supports(solid, volumes)
     return (
-        *(_surface(f"surface_{i}", s) for i, s in enumerate(surfaces)),
-        *(_volume(f"volume_{i}", v) for i, v in enumerate(volumes)),
+        *(surface_anchor(f"surface_{i}", s) for i, s in enumerate(surfaces)),
+        *(volume_anchor(f"volume_{i}", v) for i, v in enumerate(volumes)),
     )
+
+
+def usable_supports(solid: Solid, volumes: Sequence[Containment]) -> list[SupportFace]:
+    """The support surfaces of a solid without the floors of deep `volumes`."""
+    return [s for s in find_supports(solid) if not any(_is_ground(s, volume) for volume in volumes)]
 
 
 def _is_ground(surface: SupportFace, volume: Containment) -> bool:
@@ -52,10 +57,12 @@ def _is_ground(surface: SupportFace, volume: Containment) -> bool:
     return volume.rim_m - surface.height_m > DEEPEST * width_m
 
 
-def _surface(anchor_id: str, support: SupportFace) -> SupportSurface:
+def surface_anchor(anchor_id: str, support: SupportFace, link: str | None = None) -> SupportSurface:
+    """The anchor of a support surface, on a link of an articulated object if one is given."""
     x, y = _middle(support.polygon)
     return SupportSurface(
         anchor_id=anchor_id,
+        link=link,
         position_m=_point((x, y, support.height_m)),
         polygon=_polygon(support.polygon, x, y),
         normal=_point(support.normal),
@@ -65,10 +72,12 @@ def _surface(anchor_id: str, support: SupportFace) -> SupportSurface:
     )
 
 
-def _volume(anchor_id: str, inside: Containment) -> ContainmentVolume:
+def volume_anchor(anchor_id: str, inside: Containment, link: str | None = None) -> ContainmentVolume:
+    """The anchor of a containment volume, in a link of an articulated object if one is given."""
     x, y = _middle(inside.opening)
     return ContainmentVolume(
         anchor_id=anchor_id,
+        link=link,
         position_m=_point((x, y, inside.floor_m)),
         opening=_polygon(inside.opening, x, y),
         direction=_point(inside.cavity.direction),
@@ -94,6 +103,11 @@ def _middle(polygon: shapely.Polygon) -> tuple[float, float]:
     """The centre of the bounding box."""
     x0, y0, x1, y1 = polygon.bounds
     return 0.5 * (x0 + x1), 0.5 * (y0 + y1)
+
+
+def anchor_polygon(polygon: shapely.Polygon) -> AnchorPolygon:
+    """The polygon as a record holds it, in the axes that it is given in."""
+    return _polygon(polygon, 0.0, 0.0)
 
 
 def _polygon(polygon: shapely.Polygon, x: float, y: float) -> AnchorPolygon:

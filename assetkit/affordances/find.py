@@ -12,6 +12,7 @@ import numpy as np
 
 from assetkit.affordances.grasp_trials import TRIED, try_grasps
 from assetkit.affordances.grasps import propose_grasps
+from assetkit.affordances.joint_regions import joint_regions
 from assetkit.affordances.named_regions import part_at
 from assetkit.affordances.regions import find_regions, upright_requirement
 from assetkit.stage import Canonical, Draft, Interaction, Semantics
@@ -50,7 +51,12 @@ def find_affordances(
     No grasp is tried on a body that is not `sound` in simulation, because its colliders do not match its surface.
     """
     canonical, interaction = draft[Canonical], draft[Interaction]
-    regions = find_regions(canonical.solid, anchors, interaction.parts)
+    # The handles and rims of a mechanism serve its joints; it is not carried by them, nor poured from.
+    regions = (
+        joint_regions(interaction.joint_uses)
+        if canonical.mechanism is not None
+        else find_regions(canonical.solid, anchors, interaction.parts)
+    )
     if not sound:
         return AffordanceResult(regions)
     if (fixed := _fixed(draft)) is not None:

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from assetkit.affordances.grasp_trials import grasp_lines
+from assetkit.articulation.roles import roles_of_joints
+from assetkit.articulation.swept_volumes import with_swept_volumes
 from assetkit.package.package import AddGrasps, AddPreviews, Package, WriteRecord, reread
 from assetkit.package.record import read_record
 from assetkit.package.write_twins import write_twins
@@ -132,10 +134,11 @@ def _record(draft: Draft, log: StageLog, hashes: Mapping[str, str]) -> AssetReco
         ),
         geometry=canonical.section,
         appearance=draft[Appearance].section,
-        semantics=_with_front(draft),
+        semantics=_with_interaction(draft),
         parts=draft[Interaction].parts,
         affordances=draft[Acceptance].affordances,
         anchors=draft[Acceptance].anchors,
+        joint_uses=with_swept_volumes(draft[Interaction].joint_uses, draft[Physics].swept),
         physics=draft[Physics].section,
         acceptance=draft[Acceptance].section,
         diagnostics=log.diagnostics,
@@ -145,9 +148,11 @@ def _record(draft: Draft, log: StageLog, hashes: Mapping[str, str]) -> AssetReco
     )
 
 
-def _with_front(draft: Draft) -> SemanticsSection:
-    """The semantics of the draft, with the front that its parts indicate."""
-    section, front = draft[Semantics].section, draft[Interaction].front
+def _with_interaction(draft: Draft) -> SemanticsSection:
+    """The semantics of the draft, with the front that its parts indicate and the roles that its joints give it."""
+    section, interaction = draft[Semantics].section, draft[Interaction]
+    section = section.model_copy(update={"roles": (*section.roles, *roles_of_joints(interaction.joint_uses))})
+    front = interaction.front
     if front is None:
         return section
     return section.model_copy(update={"front": front.direction, "heading_symmetry": front.symmetry})

@@ -86,6 +86,13 @@ def _part(
         low_m=vec3(low),
         high_m=vec3(high),
         parent=f"part_{parent}" if parent >= 0 else None,
+        link=_link_of([m for m, k in zip(meshes.values(), indices, strict=True) if len(k)]),
     )
     confidence = _STATED if "hierarchy" in piece.sources else _AGREED if len(piece.sources) > 1 else _ALONE
     return measured(part, "regions proposed by " + ", ".join(piece.sources), confidence=confidence)
+
+
+def _link_of(meshes: Sequence[Mesh]) -> str | None:
+    """The link that all meshes belong to; None where they are of several, or of a rigid object."""
+    links = {mesh.link for mesh in meshes}
+    return next(iter(links)) or None if len(links) == 1 else None

@@ -10,10 +10,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from assetkit.articulation.swept_volumes import swept_volumes
 from assetkit.mass.parts import MassEvidenceInputs
 from assetkit.physics.build import PhysicsResult, build_physics
 from assetkit.physics.link_clearance import clear_links
 from assetkit.stage import LinkSurface, Physics
+from geom.features.cavities import Cavity
 from geom.mass.inertia import combine
 from schemas.asset import LinkSection, PhysicsSection, matrix3, vec3
 from schemas.diagnostics import Diagnostic
@@ -41,15 +43,26 @@ def link_physics(
     names: Sequence[str],
     contacts: Sequence[StatedContact],
     work_dir: Path,
+    cavities: Mapping[str, tuple[Cavity, ...]] | None = None,
 ) -> Outcome[Physics]:
-    """Physics of all links and of the whole; a person looks where the collider of a link misses its bounds."""
+    """Physics of all links and of the whole; a person looks where the collider of a link misses its bounds.
+
+    `cavities` are those of the solids of links, by name, where they are known.
+    """
     by_name = {s.link: s for s in surfaces}
     parts: list[_LinkPhysics] = []
     for link in mechanism.links:
         inputs = _of_link(mass_inputs, link.name, by_name[link.name])
         folder = work_dir / link.name
         folder.mkdir(parents=True, exist_ok=True)
-        result = build_physics(by_name[link.name].solid, names, work_dir=folder, mass_inputs=inputs, contacts=contacts)
+        result = build_physics(
+            by_name[link.name].solid,
+            names,
+            work_dir=folder,
+            mass_inputs=inputs,
+            contacts=contacts,
+            cavities=None if cavities is None else cavities.get(link.name),
+        )
         parts.append(_LinkPhysics(link, result, result.section.mass_kg.value / result.section.density_kgm3.value))
     clearance = clear_links({p.link.name: p.result.shapes for p in parts}, mechanism)
     parts = [p._replace(result=replace(p.result, shapes=clearance.shapes[p.link.name])) for p in parts]
@@ -72,6 +85,7 @@ def link_physics(
         tuple(shape_surfaces),
         tuple(bodies),
         clearance.filtered_pairs,
+        swept_volumes(mechanism, {part.link.name: part.result.shapes for part in parts}),
     )
     found = [*(d for p in parts for d in p.result.diagnostics), *clearance.diagnostics]
     notes: dict[str, Diagnostic] = {d.model_dump_json(): d for d in found}

@@ -10,10 +10,11 @@ from assetkit.acceptance.joints.checks import JudgedJoint
 from assetkit.acceptance.joints.judge_joints import judge_joints
 from assetkit.acceptance.judge_body import AcceptanceResult
 from assetkit.acceptance.judge_package import judge_bytes, require_files, simulate_package
-from assetkit.affordances.anchor_trials import verify_anchors
+from assetkit.affordances.anchor_trials import VerifiedAnchors, verify_anchors
 from assetkit.affordances.find import find_affordances
 from assetkit.affordances.grasp_pictures import drawn_grasps
 from assetkit.affordances.grasp_trials import grasp_lines
+from assetkit.articulation.link_anchor_trials import placed, verify_link_anchors
 from assetkit.package import release
 from assetkit.package.package import reread
 from assetkit.package.preview_images import render_previews
@@ -29,9 +30,12 @@ from assetkit.stage import (
     Stage,
     Tools,
 )
+from geom.pose import pose
 from schemas.anchors import Anchor
 from schemas.evidence import Evidence
 from schemas.outcome import Outcome
+from sim.port import Simulator
+from usdio.reread.body import RereadPackage
 from usdio.write.source_names import rename_findings, source_names
 
 
@@ -39,7 +43,7 @@ class AcceptPackage(Stage):
     """Judges the bytes that are shipped, never the values in memory."""
 
     name = "acceptance"
-    version = 7
+    version = 8
     result = Acceptance
     reads = (Canonical, Appearance, Semantics, Interaction, Physics, Previews)
 
@@ -54,8 +58,7 @@ class AcceptPackage(Stage):
         collider_misses_bounds = draft[Physics].section.collider_misses_bounds
         names = rename_findings(source_names(draft.model))
         simulated = simulate_package(package.main_file, content, tools.simulator, extent_m)
-        proposed = draft[Interaction].anchors
-        anchors = verify_anchors(proposed, content.body.shapes, tools.simulator)
+        anchors = _verified_anchors(draft, content, tools.simulator)
         poses = [pose.value for pose in simulated.section.stable_poses]
         offered = find_affordances(draft, content.body, poses, anchors.anchors, tools.simulator, sound=simulated.passed)
         drawn = drawn_grasps(offered.affordances)
@@ -79,4 +82,24 @@ def _judged_joints(
     if declared is None or not simulated.is_simulated:
         return JudgedJoint((), ())
     holding = [anchor.value for anchor in anchors]
-    return judge_joints(main_file, reread(main_file), tools.simulator, declared=declared, anchors=holding)
+    contacts = {u.joint: u.contact.value for u in draft[Interaction].joint_uses if u.contact is not None}
+    return judge_joints(
+        main_file,
+        reread(main_file),
+        tools.simulator,
+        declared=declared,
+        contacts=contacts,
+        anchors=holding,
+    )
+
+
+def _verified_anchors(draft: Draft, content: RereadPackage, simulator: Simulator) -> VerifiedAnchors:
+    """The proposed anchors, tried on the collision shapes of the package; of an articulated object link by link."""
+    interaction, mechanism = draft[Interaction], draft[Canonical].mechanism
+    if mechanism is None or content.mechanism is None:
+        return verify_anchors(interaction.anchors, content.body.shapes, simulator)
+    by_link = {
+        link.name: [placed(shape, pose(None, link.origin)) for shape in body.shapes]
+        for link, body in zip(content.mechanism.links, content.links, strict=True)
+    }
+    return verify_link_anchors(interaction.anchors, by_link, mechanism, interaction.joint_uses, simulator)

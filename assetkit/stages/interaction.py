@@ -1,8 +1,13 @@
-"""Stage 5, interaction: parts with labels and materials, front and proposed anchors, in the asset frame."""
+"""Stage 5, interaction: parts with labels and materials, front, uses of joints, proposed anchors; asset frame."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from assetkit.affordances.anchors import propose_anchors
+from assetkit.articulation.grip_parts import label_grips
+from assetkit.articulation.joint_uses import ArticulatedObject, joint_uses
+from assetkit.articulation.link_anchors import cavities_of_links, propose_link_anchors
 from assetkit.materials.part_materials import part_materials
 from assetkit.options import Options
 from assetkit.parts.find import find_parts
@@ -13,6 +18,8 @@ from assetkit.stage import Appearance, Canonical, Draft, Interaction, Semantics,
 from geom.features.cavities import find_cavities
 from jobs.cell import Limits
 from schemas.diagnostics import finding
+from schemas.evidence import Evidence
+from schemas.mechanism import Mechanism
 from schemas.outcome import Outcome
 
 
@@ -20,7 +27,7 @@ class ProposeParts(Stage):
     """Parts with their labels, in `review` where a role depends on a disputed one. Acceptance verifies the anchors."""
 
     name = "interaction"
-    version = 12
+    version = 13
     result = Interaction
     reads = (Canonical, Appearance, Semantics)
 
@@ -44,11 +51,29 @@ class ProposeParts(Stage):
         parts, material = part_materials(
             meshes, draft.model, labelled, category, draft.source_name, draft.intake.folders
         )
-        anchors = propose_anchors(canonical.solid, cavities)
+        if canonical.mechanism is None:
+            interaction = Interaction(parts, material, propose_anchors(canonical.solid, cavities), cavities)
+        else:
+            seen = Interaction(parts, material, cavities=cavities)
+            interaction = _articulated(canonical, canonical.mechanism, seen, section.interaction_group)
         known_front = draft.frame.front if draft.frame is not None else None
         front = known_front or front_of(meshes, category, labelled, cavities)
         review = bool(disputed_parts(labelled, section.roles))
-        return Outcome(Interaction(parts, material, anchors, cavities, front), tuple(diagnostics), review=review)
+        return Outcome(replace(interaction, front=front), tuple(diagnostics), review=review)
+
+
+def _articulated(
+    canonical: Canonical, mechanism: Mechanism, seen: Interaction, usual_group: Evidence[str] | None
+) -> Interaction:
+    """The interaction of an articulated object: the uses of its joints, its grips named, and the anchors of its links.
+
+    `usual_group` is that of things of its category.
+    """
+    item = ArticulatedObject(mechanism, canonical.links, canonical.meshes, seen.parts, usual_group)
+    parts, uses = label_grips(seen.parts, joint_uses(item))
+    cavities = cavities_of_links(canonical.links)
+    anchors = propose_link_anchors(item, uses, cavities)
+    return replace(seen, parts=parts, anchors=anchors, joint_uses=uses, link_cavities=cavities)
 
 
 def _segmenter(options: Options) -> CommandSegmenter | None:

@@ -13,7 +13,7 @@ class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 9
+    version = 10
     result = Physics
     reads = (Canonical, Appearance, Semantics, Interaction)
 
@@ -30,6 +30,7 @@ class AuthorPhysics(Stage):
                 names=[draft.source_name],
                 contacts=draft.intake.model.contacts,
                 work_dir=folder,
+                cavities=draft.interaction.link_cavities if draft.interaction else None,
             )
         built = build_physics(
             canonical.solid,

@@ -137,6 +137,12 @@ def interaction_groups() -> dict[str, InteractionGroup]:
 
 
 @cache
+def other_motions() -> frozenset[str]:
+    """Names of moved parts that belong to no interaction group: limbs of robots, wheels, parts of machines."""
+    return frozenset(word for row in rows_of("other_motions.csv") for word in row["words"].split(";"))
+
+
+@cache
 def other_things() -> tuple[str, ...]:
     """Names of things outside the vocabulary, and of parts and holders of things in it."""
     return tuple(name for row in rows_of("other_things.csv") for name in row["words"].split(";"))

@@ -307,7 +307,18 @@ def _evidence_rows(record: dict) -> list[dict[str, object]]:
                 sure = f"{100 * value['confidence']:.0f} %"
                 source = f"{value['source']}: {value['method']}"
                 rows.append({"what": key, "value": _short(value["value"]), "source": source, "sure": sure})
-    return rows
+    return rows + [_joint_row(use) for use in record.get("joint_uses", ())]
+
+
+def _joint_row(use: dict) -> dict[str, object]:
+    """What a joint of an articulated object is for: its group, and from where to where it opens."""
+    group, ends = use["group"], f"{_short(use['closed']['value'])} to {_short(use['open']['value'])}"
+    return {
+        "what": f"joint {use['joint']}",
+        "value": f"{group['value']}, {use['task']} from {ends}",
+        "source": f"{group['source']}: {group['method']}",
+        "sure": f"{100 * group['confidence']:.0f} %",
+    }
 
 
 def _short(value: object) -> str:
