@@ -54,11 +54,11 @@ def _description(
         contacts = package.shape_contacts[first : first + len(body.shapes)]
         first += len(body.shapes)
         links.append(described_link(body, meshes.get(body.name, []), contacts, export, f"{body.name}_"))
-    joints = tuple(_joint(joint, mechanism) for joint in mechanism.tree)
+    joints = tuple(described_joint(joint, mechanism) for joint in mechanism.tree)
     return RobotDescription(content.asset_id, "urdf", tuple(links), joints, mechanism.root.name)
 
 
-def _joint(joint: MechanismJoint, mechanism: Mechanism) -> DescribedJoint:
+def described_joint(joint: MechanismJoint, mechanism: Mechanism) -> DescribedJoint:
     """The joint with its zero where the source has it: the child stands there, not at rest."""
     origins = {link.name: link.origin for link in mechanism.links}
     X_PC = pose(None, -origins[joint.parent]) @ joint_motion(joint, -joint.rest) @ pose(None, origins[joint.child])
