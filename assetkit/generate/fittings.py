@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from assetkit.generate.generator import GeneratedLink, GeneratedPart
 from assetkit.generate.shape import Shape, box, cylinder, union
 from schemas.mechanism import MechanismJoint
 
@@ -38,9 +39,13 @@ def door_hinge(name: str, child: str, x_m: float, y_m: float, z_m: float, openin
     )
 
 
-def pointed_knob(radius_m: float, height_m: float, front_m: float, y_m: float, z_m: float) -> Shape:
-    """A round knob with its axis along +x, its base at `front_m`, and a pointer across its face that shows the turn."""
-    a = 0.5 * POINTER_SHARE * radius_m
-    base = cylinder(radius_m, height_m, (front_m, y_m, z_m), "x")
-    top = front_m + height_m
-    return base + box((top, y_m - a, z_m - 0.2 * radius_m), (top + 2.0 * a, y_m + a, z_m + 0.9 * radius_m))
+def knob_link(name: str, radius_m: float, height_m: float, base_m: tuple[float, float, float]) -> GeneratedLink:
+    """A round black knob with its axis along +x from `base_m`, and a white pointer on its face that shows the turn."""
+    x, y, z = base_m
+    top, a = x + height_m, 0.5 * POINTER_SHARE * radius_m
+    knob = cylinder(radius_m, height_m, base_m, "x")
+    pointer = box((top, y - a, z - 0.2 * radius_m), (top + 2.0 * a, y + a, z + 0.9 * radius_m))
+    return GeneratedLink(
+        name,
+        (GeneratedPart("knob", knob, "plastic", "black"), GeneratedPart("pointer", pointer, "plastic", "white")),
+    )

@@ -134,7 +134,7 @@ def _description(thing: GeneratedObject, folder: Path) -> RobotDescription:
 
 def _link(link: GeneratedLink, origin: FloatArray, object_name: str, folder: Path) -> DescribedLink:
     prefix = f"{MESHES}/{object_name}_{link.name}"
-    visuals = [_visual(part, origin, f"{prefix}_{part.name}", folder) for part in link.parts]
+    visuals = [_visual(part, shape_name(link, part), origin, object_name, folder) for part in link.parts]
     pieces = [piece for part in link.parts for piece in part.shape.convex]
     collisions = [_collision(piece, origin, f"{prefix}_collision_{i:02d}", folder) for i, piece in enumerate(pieces)]
     mass = link.mass
@@ -142,19 +142,26 @@ def _link(link: GeneratedLink, origin: FloatArray, object_name: str, folder: Pat
     return DescribedLink(link.name, (*visuals, *collisions), inertial, "declared")
 
 
-def _visual(part: GeneratedPart, origin: FloatArray, file: str, folder: Path) -> DescribedShape:
+def shape_name(link: GeneratedLink, part: GeneratedPart) -> str:
+    """The name of a part in the description, unique there: MJCF refuses a name twice."""
+    return link.name if link.name.startswith(part.name) else f"{link.name}_{part.name}"
+
+
+def _visual(part: GeneratedPart, name: str, origin: FloatArray, object_name: str, folder: Path) -> DescribedShape:
     points, triangles = part.shape.surface
-    write_obj(folder / f"{file}.obj", points - origin, triangles)
+    file = f"{MESHES}/{object_name}_{name}.obj"
+    write_obj(folder / file, points - origin, triangles)
     material = DescribedMaterial(f"{part.colour}_{part.material}", (*COLOURS[part.colour], 1.0))
-    reference = MeshReference(f"{file}.obj", name=file.rpartition("/")[2])
-    return DescribedShape(part.name, "mesh", (), np.eye(4), False, True, mesh=reference, material=material)
+    reference = MeshReference(file, name=f"{object_name}_{name}")
+    return DescribedShape(name, "mesh", (), np.eye(4), False, True, mesh=reference, material=material)
 
 
 def _collision(piece: CollisionShape, origin: FloatArray, file: str, folder: Path) -> DescribedShape:
     name = file.rpartition("/")[2]
     if piece.kind != "hull":
         return DescribedShape(name, piece.kind, piece.size_m, pose(None, -origin) @ piece.X_AS, True, False)
-    assert piece.points is not None and piece.triangles is not None, "a hull has points and triangles"
+    if piece.points is None or piece.triangles is None:
+        raise ValueError("a hull shape needs points and triangles")
     write_obj(folder / f"{file}.obj", piece.points - origin, piece.triangles)
     return DescribedShape(name, "mesh", (), np.eye(4), True, False, mesh=MeshReference(f"{file}.obj", name=name))
 

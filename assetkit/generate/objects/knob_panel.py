@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assetkit.generate.fittings import pointed_knob
+from assetkit.generate.fittings import knob_link
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import count, quantity
 from assetkit.generate.shape import box
@@ -38,13 +38,7 @@ def build(p: KnobPanel) -> GeneratedSet:
     height, half, x = 1.6 * pitch, 0.5 * (p.knobs + 0.4) * pitch, 0.5 * DEPTH_M
     body = GeneratedLink("body", (GeneratedPart("body", box((-x, -half, 0.0), (x, half, height)), "wood", "white"),))
     names = [f"knob_{k + 1}" for k in range(p.knobs)]
-    knobs = [
-        GeneratedLink(
-            name,
-            (GeneratedPart("knob", pointed_knob(r, p.height_m, x + GAP_M, at, 0.5 * height), "plastic", "black"),),
-        )
-        for name, at in zip(names, y, strict=True)
-    ]
+    knobs = [knob_link(name, r, p.height_m, (x + GAP_M, at, 0.5 * height)) for name, at in zip(names, y, strict=True)]
     joints = tuple(
         MechanismJoint(
             f"turn_{k + 1}",

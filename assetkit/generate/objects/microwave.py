@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from assetkit.generate.fittings import bar_handle, door_hinge, pointed_knob
+from assetkit.generate.fittings import bar_handle, door_hinge, knob_link
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import choice, quantity
 from assetkit.generate.shape import Shape, box, cylinder, union
@@ -41,18 +41,18 @@ def build(p: Microwave) -> GeneratedSet:
     edge = y - PANEL_SHARE * p.width_m  # the inside ends before it, the panel begins there
     front = x + GAP_M
     inside_low, inside_high = (t - x, t - y, t), (x, edge - t, z - t)
-    body = _body(p, inside_low, inside_high, edge, front + t)
+    body = _body(p, inside_low, inside_high, edge)
     links = [
         GeneratedLink("body", (GeneratedPart("body", body, "steel", "white"),)),
         _door(p, front, edge - GAP_M),
-        _control(p, front + t, 0.5 * (edge + y)),
+        _control(p, x, 0.5 * (edge + y)),
     ]
     door = door_hinge("door_hinge", "door", front, -y, 0.5 * z, p.opening_rad)
     volume = float(np.prod(np.array(inside_high) - np.array(inside_low)))
     inside = TrueInterior(
         name="inside", link="body", volume_m3=volume, low_m=inside_low, high_m=inside_high, direction=(1.0, 0.0, 0.0)
     )
-    joints = (door, _control_joint(p, front + t, 0.5 * (edge + y)))
+    joints = (door, _control_joint(p, x, 0.5 * (edge + y)))
     gap = TrueClearance(name="gap behind the door", inner="door", outer="body", clearance_m=GAP_M)
     return GeneratedSet((GeneratedObject("microwave", tuple(links), joints, (inside,)),), (gap,))
 
@@ -62,9 +62,8 @@ def _body(
     inside_low: tuple[float, float, float],
     inside_high: tuple[float, float, float],
     edge: float,
-    panel: float,
 ) -> Shape:
-    """Plates around the inside, and a full block behind the panel, which lies level with the closed door."""
+    """Plates around the inside, and beside it the closed box of the electronics behind the panel."""
     x, y, z = 0.5 * p.depth_m, 0.5 * p.width_m, p.height_m
     (x0, y0, z0), (_, y1, z1) = inside_low, inside_high
     return union(
@@ -74,22 +73,22 @@ def _body(
             box((x0, y1, 0.0), (x, edge, z)),
             box((x0, y0, 0.0), (x, y1, z0)),
             box((x0, y0, z1), (x, y1, z)),
-            _hollow_panel(p, edge, panel),
+            _panel_box(p, edge),
         )
     )
 
 
-def _hollow_panel(p: Microwave, edge: float, panel: float) -> Shape:
+def _panel_box(p: Microwave, edge: float) -> Shape:
     """The box of the electronics: closed, with the walls of the oven."""
     t, x, y, z = p.wall_m, 0.5 * p.depth_m, 0.5 * p.width_m, p.height_m
     return union(
         (
             box((-x, edge, 0.0), (t - x, y, z)),
-            box((panel - t, edge, 0.0), (panel, y, z)),
-            box((t - x, edge, 0.0), (panel - t, edge + t, z)),
-            box((t - x, y - t, 0.0), (panel - t, y, z)),
-            box((t - x, edge + t, 0.0), (panel - t, y - t, t)),
-            box((t - x, edge + t, z - t), (panel - t, y - t, z)),
+            box((x - t, edge, 0.0), (x, y, z)),
+            box((t - x, edge, 0.0), (x - t, edge + t, z)),
+            box((t - x, y - t, 0.0), (x - t, y, z)),
+            box((t - x, edge + t, 0.0), (x - t, y - t, t)),
+            box((t - x, edge + t, z - t), (x - t, y - t, z)),
         )
     )
 
@@ -120,9 +119,7 @@ def _door(p: Microwave, front: float, edge: float) -> GeneratedLink:
 def _control(p: Microwave, panel: float, y: float) -> GeneratedLink:
     radius, z = CONTROL_SHARE * PANEL_SHARE * p.width_m, 0.5 * p.height_m
     if p.control == "knob":
-        return GeneratedLink(
-            "knob", (GeneratedPart("knob", pointed_knob(radius, KNOB_M, panel + GAP_M, y, z), "plastic", "black"),)
-        )
+        return knob_link("knob", radius, KNOB_M, (panel + GAP_M, y, z))
     base = (panel + BUTTON_TRAVEL_M + GAP_M, y, z)
     return GeneratedLink(
         "button", (GeneratedPart("button", cylinder(radius, BUTTON_M, base, "x"), "plastic", "black"),)
