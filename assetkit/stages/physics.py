@@ -13,7 +13,7 @@ class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 8
+    version = 9
     result = Physics
     reads = (Canonical, Appearance, Semantics, Interaction)
 
