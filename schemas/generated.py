@@ -13,6 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from schemas.anchors import Point3
 from schemas.mechanism import MechanismJointKind
 
+TRUTH_FILE = "truth.json"  # beside the sources that a generator writes
+
 
 class _Model(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -100,7 +102,7 @@ class TrueParameter(_Model):
 
 
 class GeneratedTruth(_Model):
-    """The file `truth.json` beside the sources that a generator wrote."""
+    """The file `truth.json`: the objects of one run, and the room that they leave each other."""
 
     schema_version: Literal[1] = 1
     generator: str

@@ -20,7 +20,7 @@ from assetkit.package.write_twins import described_joint
 from geom.pose import pose
 from schemas.anchors import Point3
 from schemas.arrays import FloatArray
-from schemas.generated import GeneratedTruth, TrueJoint, TrueLink, TrueObject, TrueParameter
+from schemas.generated import TRUTH_FILE, GeneratedTruth, TrueJoint, TrueLink, TrueObject, TrueParameter
 from schemas.mechanism import Mechanism, MechanismJoint, MechanismLink
 from schemas.physics import CollisionShape
 from schemas.robot_description import (
@@ -32,7 +32,6 @@ from schemas.robot_description import (
     RobotDescription,
 )
 
-TRUTH = "truth.json"
 MESHES = "meshes"  # folder of mesh files, beside the descriptions
 
 
@@ -53,7 +52,7 @@ def write_set(generator: Generator[Any], values: Any, folder: Path, name: str | 
         objects=tuple(truth_of(thing, file.name) for thing, file in zip(named, files, strict=True)),
         clearances=_renamed(generated, named),
     )
-    (folder / TRUTH).write_text(truth.model_dump_json(indent=1) + "\n")
+    (folder / TRUTH_FILE).write_text(truth.model_dump_json(indent=1) + "\n")
     return tuple(files)
 
 

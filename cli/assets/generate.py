@@ -6,22 +6,23 @@ import json
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.markup import escape
 
 from assetkit.batch.item_cells import default_jobs
 from assetkit.batch.run_batch import ingest
-from assetkit.generate.generator import Generator
 from assetkit.generate.parameters import Parameter, ParameterError, nearest, parameters_of, read_settings
-from assetkit.generate.table import GENERATORS
-from assetkit.generate.write import TRUTH, write_set
 from assetkit.sources.discover import slug
 from cli import text
 from cli.assets.progress import shown_progress
 from cli.engines import SIMULATOR
+from schemas.generated import TRUTH_FILE
 from schemas.outcome import ItemOutcome
+
+if TYPE_CHECKING:
+    from assetkit.generate.generator import Generator
 
 SOURCES = "sources"  # folder of the library that holds what was written for the pipeline
 
@@ -59,6 +60,8 @@ def generate_command(
     Examples: `mana assets generate --list`, `mana assets generate drawer_unit --list`,
     `mana assets generate drawer_unit --set levels=4 --set width_m=0.5 --out library --name tall_drawer_unit`
     """
+    from assetkit.generate.write import write_set  # Loads geometry libraries, which most commands do not need.
+
     if name is None:
         if not listing:
             raise typer.BadParameter("is needed; --list shows all", param_hint="NAME")
@@ -85,10 +88,10 @@ def _ingest(files: Sequence[Path], folder: Path, out: Path, jobs: int, as_json: 
     with shown_progress(quiet=as_json) as progress:
         report = ingest(list(files), out, engine=SIMULATOR, jobs=jobs, progress=progress)
     if as_json:
-        print(json.dumps({"truth": str(folder / TRUTH), "report": report.model_dump(mode="json")}, indent=1))
+        print(json.dumps({"truth": str(folder / TRUTH_FILE), "report": report.model_dump(mode="json")}, indent=1))
     else:
         text.show_summary(report)
-        text.console.print(f"truth: {escape(str(folder / TRUTH))}", soft_wrap=True)
+        text.console.print(f"truth: {escape(str(folder / TRUTH_FILE))}", soft_wrap=True)
         text.console.print(f"report: {escape(str(out / 'report.html'))}", soft_wrap=True)
     if report.interrupted:
         raise typer.Exit(2)
@@ -96,6 +99,8 @@ def _ingest(files: Sequence[Path], folder: Path, out: Path, jobs: int, as_json: 
 
 
 def _generator(name: str) -> Generator[Any]:
+    from assetkit.generate.table import GENERATORS
+
     if name not in GENERATORS:
         hint = nearest(name, list(GENERATORS))
         raise typer.BadParameter(f"there is no generator '{name}'; {hint}", param_hint="NAME")
@@ -105,13 +110,15 @@ def _generator(name: str) -> Generator[Any]:
 def _emptied(folder: Path) -> Path:
     """The folder of an earlier run, emptied; raises typer.BadParameter for a folder that no generator wrote."""
     if folder.exists():
-        if not (folder / TRUTH).is_file():
-            raise typer.BadParameter(f"{folder} exists and holds no {TRUTH}; choose another", param_hint="--out")
+        if not (folder / TRUTH_FILE).is_file():
+            raise typer.BadParameter(f"{folder} exists and holds no {TRUTH_FILE}; choose another", param_hint="--out")
         shutil.rmtree(folder)
     return folder
 
 
 def _show_generators(as_json: bool) -> None:
+    from assetkit.generate.table import GENERATORS
+
     if as_json:
         described = [{"name": g.name, "title": g.title, "parameters": _rows(g)} for g in GENERATORS.values()]
         print(json.dumps(described, indent=1))
@@ -146,7 +153,7 @@ def _row(p: Parameter) -> dict[str, object]:
 
 def _show_sources(files: Sequence[Path], folder: Path, as_json: bool) -> None:
     if as_json:
-        print(json.dumps({"truth": str(folder / TRUTH), "sources": [str(file) for file in files]}, indent=1))
+        print(json.dumps({"truth": str(folder / TRUTH_FILE), "sources": [str(file) for file in files]}, indent=1))
         return
-    for file in (*files, folder / TRUTH):
+    for file in (*files, folder / TRUTH_FILE):
         text.console.print(escape(str(file)), soft_wrap=True)

@@ -38,7 +38,13 @@ def build(p: Turntable) -> GeneratedSet:
     mark = cylinder(MARK_SHARE * r, MARK_M, (0.8 * r, 0.0, z + p.platform_m))
     links = (
         GeneratedLink("base", (GeneratedPart("base", base, p.material, "grey"),)),
-        GeneratedLink("platform", (GeneratedPart("platform", platform + mark, p.material, p.colour),)),
+        GeneratedLink(
+            "platform",
+            (
+                GeneratedPart("platform", platform, p.material, p.colour),
+                GeneratedPart("mark", mark, p.material, "white" if p.colour != "white" else "black"),
+            ),
+        ),
     )
     joint = MechanismJoint(
         "turn",

@@ -16,11 +16,11 @@ from assetkit.generate.generator import GeneratedObject, Generator
 from assetkit.generate.parameters import ParameterError, parameters_of, random_parameters
 from assetkit.generate.shape import Shape
 from assetkit.generate.table import GENERATORS
-from assetkit.generate.write import MESHES, TRUTH, mechanism_of, write_set
+from assetkit.generate.write import MESHES, mechanism_of, write_set
 from assetkit.taxonomy.material_classes import materials
 from formats import read_mjcf, read_urdf
 from geom.mechanism_pose import link_frames
-from schemas.generated import GeneratedTruth
+from schemas.generated import TRUTH_FILE, GeneratedTruth
 from schemas.mechanism import Mechanism
 
 SEEDS, CORNERS = (0, 1), 3
@@ -109,7 +109,7 @@ def test_a_joint_that_goes_too_far_would_be_seen() -> None:
 def test_truth_is_that_of_the_files(generator: Generator[Any], tmp_path: Path) -> None:
     """Mass, mass centre and inertia by another library, from the meshes as written and the densities of the table."""
     files = write_set(generator, generator.parameters(), tmp_path)
-    truth = GeneratedTruth.model_validate_json((tmp_path / TRUTH).read_bytes())
+    truth = GeneratedTruth.model_validate_json((tmp_path / TRUTH_FILE).read_bytes())
     assert [thing.file for thing in truth.objects] == [file.name for file in files]
     for thing, file in zip(truth.objects, files, strict=True):
         read = read_urdf if file.suffix == ".urdf" else read_mjcf
@@ -143,7 +143,7 @@ def parallel_axis(shift: np.ndarray) -> np.ndarray:
 def test_joints_of_the_files_are_those_of_the_truth_in_mujoco(generator: Generator[Any], tmp_path: Path) -> None:
     """An engine reads each source: the moving joints with axis, limits, damping, friction and spring."""
     files = write_set(generator, generator.parameters(), tmp_path)
-    truth = GeneratedTruth.model_validate_json((tmp_path / TRUTH).read_bytes())
+    truth = GeneratedTruth.model_validate_json((tmp_path / TRUTH_FILE).read_bytes())
     for thing, file in zip(truth.objects, files, strict=True):
         model = mujoco.MjSpec.from_file(str(file)).compile()
         assert model.njnt == len(thing.joints)
@@ -165,7 +165,7 @@ def test_the_same_parameters_give_the_same_bytes_and_others_do_not(generator: Ge
         for name, v in (("first", values), ("second", values), ("other", generator.parameters()))
     )
     assert first == second
-    assert first[TRUTH] != other[TRUTH]
+    assert first[TRUTH_FILE] != other[TRUTH_FILE]
 
 
 def written(generator: Generator[Any], values: Any, folder: Path) -> dict[str, bytes]:
@@ -175,7 +175,7 @@ def written(generator: Generator[Any], values: Any, folder: Path) -> dict[str, b
 
 def test_objects_stand_with_their_bottom_centre_at_the_origin(generator: Generator[Any], tmp_path: Path) -> None:
     write_set(generator, generator.parameters(), tmp_path)
-    truth = GeneratedTruth.model_validate_json((tmp_path / TRUTH).read_bytes())
+    truth = GeneratedTruth.model_validate_json((tmp_path / TRUTH_FILE).read_bytes())
     for thing in truth.objects:
         anchors = {joint.child: np.array(joint.anchor_m) for joint in thing.joints}
         points = [
@@ -207,7 +207,7 @@ def test_names_of_the_table_are_those_of_the_files() -> None:
 def test_a_name_goes_before_those_of_a_set(tmp_path: Path) -> None:
     files = write_set(GENERATORS["charger"], GENERATORS["charger"].parameters(), tmp_path, "desk")
     assert [file.name for file in files] == ["desk_charger_plug.urdf", "desk_charger_socket.urdf"]
-    truth = GeneratedTruth.model_validate_json((tmp_path / TRUTH).read_bytes())
+    truth = GeneratedTruth.model_validate_json((tmp_path / TRUTH_FILE).read_bytes())
     assert (truth.clearances[0].inner, truth.clearances[0].outer) == ("desk_charger_plug", "desk_charger_socket")
     (file,) = write_set(GENERATORS["turntable"], GENERATORS["turntable"].parameters(), tmp_path / "one", "spinner")
     assert file.name == "spinner.urdf"
