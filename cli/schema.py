@@ -8,10 +8,10 @@ from typing import Annotated
 import typer
 from pydantic import BaseModel
 
+from assetkit.generate.truth import GeneratedTruth
 from scenec.source.language import editor_schema
 from schemas.asset import AssetRecord
 from schemas.episode import EpisodeDescription
-from schemas.generated import GeneratedTruth
 from schemas.measurement import MeasurementSpec
 from schemas.report import IngestReport
 from schemas.scene.runtime_plan import RuntimePlan

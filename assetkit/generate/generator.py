@@ -13,9 +13,9 @@ from typing import Any, Generic, TypeVar
 
 from assetkit.generate.parameters import checked
 from assetkit.generate.shape import Shape
+from assetkit.generate.truth import TrueClearance, TrueHole, TrueInterior
 from assetkit.taxonomy.material_classes import materials
 from geom.mass.inertia import combine
-from schemas.generated import TrueClearance, TrueHole, TrueInterior
 from schemas.mechanism import MechanismJoint
 from schemas.physics import MassProperties
 

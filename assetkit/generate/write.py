@@ -15,12 +15,12 @@ import numpy as np
 import formats
 from assetkit.generate.generator import COLOURS, GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import parameters_of
+from assetkit.generate.truth import TRUTH_FILE, GeneratedTruth, TrueJoint, TrueLink, TrueObject, TrueParameter
 from assetkit.package.write_obj import write_obj
 from assetkit.package.write_twins import described_joint
 from geom.pose import pose
 from schemas.anchors import Point3
 from schemas.arrays import FloatArray
-from schemas.generated import TRUTH_FILE, GeneratedTruth, TrueJoint, TrueLink, TrueObject, TrueParameter
 from schemas.mechanism import Mechanism, MechanismJoint, MechanismLink
 from schemas.physics import CollisionShape
 from schemas.robot_description import (

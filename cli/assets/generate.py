@@ -14,11 +14,11 @@ from rich.markup import escape
 from assetkit.batch.item_cells import default_jobs
 from assetkit.batch.run_batch import ingest
 from assetkit.generate.parameters import Parameter, ParameterError, nearest, parameters_of, read_settings
+from assetkit.generate.truth import TRUTH_FILE
 from assetkit.sources.discover import slug
 from cli import text
 from cli.assets.progress import shown_progress
 from cli.engines import SIMULATOR
-from schemas.generated import TRUTH_FILE
 from schemas.outcome import ItemOutcome
 
 if TYPE_CHECKING:

@@ -23,11 +23,11 @@ from assetkit.affordances.anchors import propose_anchors
 from assetkit.generate.generator import Generator
 from assetkit.generate.parameters import parameters_of, random_parameters
 from assetkit.generate.table import GENERATORS
+from assetkit.generate.truth import TRUTH_FILE, GeneratedTruth, TrueHole, TrueInterior, TrueJoint, TrueLink, TrueObject
 from geom.convex.support_function import surface
 from geom.features.cavities import find_cavities
 from schemas.anchors import Anchor, ContainmentVolume
 from schemas.asset import AssetRecord
-from schemas.generated import TRUTH_FILE, GeneratedTruth, TrueHole, TrueInterior, TrueJoint, TrueLink, TrueObject
 from schemas.physics import Solid
 from usdio.reread.body import reread_package, visible_meshes
 

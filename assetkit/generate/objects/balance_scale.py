@@ -10,7 +10,7 @@ import numpy as np
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import quantity
 from assetkit.generate.shape import box, cylinder, revolved
-from schemas.generated import TrueClearance, TrueInterior
+from assetkit.generate.truth import TrueClearance, TrueInterior
 from schemas.mechanism import MechanismJoint
 
 BEAM_M, RAISED_M = 0.012, 0.012  # section of the beam; how far its hinge lies above the hinges of the pans

@@ -9,12 +9,12 @@ import numpy as np
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import count, quantity
 from assetkit.generate.shape import box, cylinder, drilled
-from schemas.generated import TrueClearance, TrueHole
+from assetkit.generate.truth import TrueClearance, TrueHole
 from schemas.mechanism import MechanismJoint
 
 PANEL_M, FLOOR_M = 0.03, 0.008  # height of the panel; what is left below a well
 CLEARANCE_M = 0.001  # the well is so much wider than the button
-SPACING = 3.2  # distance of buttons, of their radius
+BUTTON_SPACING = 3.2  # distance of buttons, of their radius
 DAMPING_SHARE = 0.002  # damping per stiffness, s: a button of some grams comes back without swinging
 CAPS = ("red", "green", "blue", "yellow", "orange", "purple", "white", "black")
 
@@ -32,7 +32,7 @@ class ButtonPanel:
 def build(p: ButtonPanel) -> GeneratedSet:
     """The panel with all buttons up; positions are 0 up, positive down."""
     r, well = p.radius_m, p.radius_m + 0.5 * CLEARANCE_M
-    pitch = SPACING * r
+    pitch = BUTTON_SPACING * r
     y = [(k - 0.5 * (p.buttons - 1)) * pitch for k in range(p.buttons)]
     x1, y1 = 0.75 * pitch, 0.5 * p.buttons * pitch + 0.25 * pitch
     panel = box((-x1, -y1, 0.0), (x1, y1, FLOOR_M)) + drilled(

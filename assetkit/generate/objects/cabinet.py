@@ -8,10 +8,11 @@ from assetkit.generate.fittings import bar_handle, door_hinge
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import choice, count, quantity
 from assetkit.generate.shape import box, open_box, union
-from schemas.generated import TrueClearance, TrueInterior
+from assetkit.generate.truth import TrueClearance, TrueInterior
 
 GAP_M = 0.002  # between the case and the door
-HANDLE_SHARE, HANDLE_INSET_M = 0.25, 0.04  # length of the handle, of the height; its distance from the free edge
+DOOR_HANDLE_SHARE = 0.25  # length of the handle, of the height
+DOOR_HANDLE_INSET_M = 0.04  # its distance from the free edge
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ def build(p: Cabinet) -> GeneratedSet:
     side = -1.0 if p.hinge == "left" else 1.0
     front = x + GAP_M
     door = box((front, -y, 0.0), (front + t, y, z))
-    handle = bar_handle(HANDLE_SHARE * z, front + t, -side * (y - HANDLE_INSET_M), 0.5 * z, "z")
+    handle = bar_handle(DOOR_HANDLE_SHARE * z, front + t, -side * (y - DOOR_HANDLE_INSET_M), 0.5 * z, "z")
     links = (
         GeneratedLink("body", (GeneratedPart("body", body, "wood", "oak"),)),
         GeneratedLink(

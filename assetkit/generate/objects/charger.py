@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import quantity
 from assetkit.generate.shape import box, open_box
-from schemas.generated import TrueClearance, TrueHole, TrueInterior
+from assetkit.generate.truth import TrueClearance, TrueHole, TrueInterior
 
 WALL_SHARE = 0.5  # wall of the socket, of the tongue's thickness
 GRIP_M = 0.040  # height of the plug's grip

@@ -9,7 +9,7 @@ import numpy as np
 from assetkit.generate.generator import PAINTS, GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import choice, quantity
 from assetkit.generate.shape import Shape, box, frustum
-from schemas.generated import TrueInterior
+from assetkit.generate.truth import TrueInterior
 
 
 @dataclass(frozen=True)

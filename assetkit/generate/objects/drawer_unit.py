@@ -10,11 +10,11 @@ from assetkit.generate.fittings import bar_handle
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import count, quantity
 from assetkit.generate.shape import Shape, box, union
-from schemas.generated import TrueClearance, TrueInterior
+from assetkit.generate.truth import TrueClearance, TrueInterior
 from schemas.mechanism import MechanismJoint
 
 SIDE_SHARE = 0.7  # height of a drawer's sides, of the level
-HANDLE_SHARE = 0.3  # length of a handle, of the width
+DRAWER_HANDLE_SHARE = 0.3  # length of a handle, of the width
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def _drawer(p: DrawerUnit, name: str, floor: float, bottom: float, height: float
         box((x0 + t, y1 - t, z0 + t), (x1, y1, z1)),
         box((front, -0.5 * p.width_m, bottom + p.gap_m), (front + t, 0.5 * p.width_m, top)),
     ]
-    handle = bar_handle(HANDLE_SHARE * p.width_m, front + t, 0.0, 0.5 * (bottom + p.gap_m + top), "y")
+    handle = bar_handle(DRAWER_HANDLE_SHARE * p.width_m, front + t, 0.0, 0.5 * (bottom + p.gap_m + top), "y")
     return GeneratedLink(
         name, (GeneratedPart("drawer", union(plates), "wood", "oak"), GeneratedPart("handle", handle, "steel", "grey"))
     )

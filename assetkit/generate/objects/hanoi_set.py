@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import count, quantity
 from assetkit.generate.shape import box, cylinder, tube, union
-from schemas.generated import TrueClearance, TrueHole
+from assetkit.generate.truth import TrueClearance, TrueHole
 
 BOARD_M, MARGIN_M = 0.015, 0.010  # thickness of the board; least distance between discs of neighbouring rods
 DISC_COLOURS = ("red", "orange", "yellow", "green", "blue", "purple", "pink")

@@ -16,10 +16,10 @@ from assetkit.generate.generator import (
 )
 from assetkit.generate.parameters import choice, quantity
 from assetkit.generate.shape import box, open_box
-from schemas.generated import TrueClearance, TrueInterior
+from assetkit.generate.truth import TrueClearance, TrueInterior
 from schemas.mechanism import MechanismJoint
 
-GAP_M = 0.001  # between rim and lid
+RIM_GAP_M = 0.001  # between rim and lid
 TAB_SHARE, TAB_M = 0.25, 0.015  # of the width, and how far the tab that lifts the lid stands out
 
 
@@ -40,7 +40,7 @@ def build(p: HingedBox) -> GeneratedSet:
     """The closed box; the lid's position is 0 closed, positive open."""
     t, x, y, z = p.wall_m, 0.5 * p.depth_m, 0.5 * p.width_m, p.height_m
     body = open_box((-x, -y, 0.0), (x, y, z), t)
-    low = z + GAP_M
+    low = z + RIM_GAP_M
     tab = box((x, -0.5 * TAB_SHARE * p.width_m, low), (x + TAB_M, 0.5 * TAB_SHARE * p.width_m, low + t))
     lid = box((-x, -y, low), (x, y, low + t))
     links = (
@@ -67,7 +67,7 @@ def build(p: HingedBox) -> GeneratedSet:
         low_m=(t - x, t - y, t),
         high_m=(x - t, y - t, z),
     )
-    gap = TrueClearance(name="gap under the lid", inner="lid", outer="body", clearance_m=GAP_M)
+    gap = TrueClearance(name="gap under the lid", inner="lid", outer="body", clearance_m=RIM_GAP_M)
     return GeneratedSet((GeneratedObject("hinged_box", links, (hinge,), (inside,)),), (gap,))
 
 

@@ -10,11 +10,11 @@ from assetkit.generate.fittings import knob_link
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import count, quantity
 from assetkit.generate.shape import box
-from schemas.generated import TrueClearance
+from assetkit.generate.truth import TrueClearance
 from schemas.mechanism import MechanismJoint
 
-GAP_M = 0.001  # between knob and panel
-SPACING = 3.0  # distance of knobs, of their radius
+KNOB_GAP_M = 0.001  # between knob and panel
+KNOB_SPACING = 3.0  # distance of knobs, of their radius
 DEPTH_M = 0.08
 
 
@@ -33,19 +33,21 @@ class KnobPanel:
 def build(p: KnobPanel) -> GeneratedSet:
     """The panel with all knobs at their first stop; positions are 0 there, positive clockwise seen from the front."""
     r = p.radius_m
-    pitch = SPACING * r
+    pitch = KNOB_SPACING * r
     y = [(k - 0.5 * (p.knobs - 1)) * pitch for k in range(p.knobs)]
     height, half, x = 1.6 * pitch, 0.5 * (p.knobs + 0.4) * pitch, 0.5 * DEPTH_M
     body = GeneratedLink("body", (GeneratedPart("body", box((-x, -half, 0.0), (x, half, height)), "wood", "white"),))
     names = [f"knob_{k + 1}" for k in range(p.knobs)]
-    knobs = [knob_link(name, r, p.height_m, (x + GAP_M, at, 0.5 * height)) for name, at in zip(names, y, strict=True)]
+    knobs = [
+        knob_link(name, r, p.height_m, (x + KNOB_GAP_M, at, 0.5 * height)) for name, at in zip(names, y, strict=True)
+    ]
     joints = tuple(
         MechanismJoint(
             f"turn_{k + 1}",
             "revolute",
             "body",
             name,
-            np.array([x + GAP_M, at, 0.5 * height]),
+            np.array([x + KNOB_GAP_M, at, 0.5 * height]),
             np.array([-1.0, 0.0, 0.0]),
             limits=(0.0, p.turn_rad),
             damping=p.damping_Nms_per_rad,
@@ -54,7 +56,7 @@ def build(p: KnobPanel) -> GeneratedSet:
         for k, (name, at) in enumerate(zip(names, y, strict=True))
     )
     gaps = tuple(
-        TrueClearance(name=f"gap behind {name}", inner=name, outer="body", clearance_m=GAP_M) for name in names
+        TrueClearance(name=f"gap behind {name}", inner=name, outer="body", clearance_m=KNOB_GAP_M) for name in names
     )
     return GeneratedSet((GeneratedObject("knob_panel", (body, *knobs), joints),), gaps)
 

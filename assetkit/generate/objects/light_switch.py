@@ -9,10 +9,10 @@ import numpy as np
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import quantity
 from assetkit.generate.shape import AXES, box, cylinder
-from schemas.generated import TrueClearance
+from assetkit.generate.truth import TrueClearance
 from schemas.mechanism import MechanismJoint
 
-FOOT_M, GAP_M = 0.010, 0.001  # thickness of the foot; gap between plate and lever
+FOOT_M, LEVER_GAP_M = 0.010, 0.001  # thickness of the foot; gap between plate and lever
 LEVER_WIDTH_SHARE = 0.2  # of the plate
 
 
@@ -35,7 +35,7 @@ def build(p: LightSwitch) -> GeneratedSet:
     plate = box((-t, -half, FOOT_M), (0.0, half, FOOT_M + p.plate_m))
     foot = box((-half, -half, 0.0), (half, half, FOOT_M))
     body = GeneratedLink("body", (GeneratedPart("body", plate + foot, "plastic", "white"),))
-    pivot = np.array([a + GAP_M, 0.0, middle])
+    pivot = np.array([a + LEVER_GAP_M, 0.0, middle])
     width = LEVER_WIDTH_SHARE * p.plate_m
     level = cylinder(a, width, (pivot[0], -0.5 * width, middle), "y") + box(
         (pivot[0], -0.5 * width, middle - a), (pivot[0] + p.lever_m, 0.5 * width, middle + a)
@@ -53,7 +53,7 @@ def build(p: LightSwitch) -> GeneratedSet:
         damping=0.001,
         friction=p.friction_Nm,
     )
-    gap = TrueClearance(name="gap behind the lever", inner="lever", outer="body", clearance_m=GAP_M)
+    gap = TrueClearance(name="gap behind the lever", inner="lever", outer="body", clearance_m=LEVER_GAP_M)
     return GeneratedSet((GeneratedObject("light_switch", (body, lever), (hinge,)),), (gap,))
 
 

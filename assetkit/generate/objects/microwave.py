@@ -10,7 +10,7 @@ from assetkit.generate.fittings import bar_handle, door_hinge, knob_link
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import choice, quantity
 from assetkit.generate.shape import Shape, box, cylinder, union
-from schemas.generated import TrueClearance, TrueInterior
+from assetkit.generate.truth import TrueClearance, TrueInterior
 from schemas.mechanism import MechanismJoint
 
 GAP_M = 0.002  # between the body and what moves
@@ -20,7 +20,7 @@ KNOB_M, BUTTON_M = 0.018, 0.008  # how far a control stands out
 KNOB_TURN_RAD, BUTTON_TRAVEL_M = 4.7, 0.004
 BUTTON_SPRING_N_PER_M = 400.0
 FRAME_M, WINDOW_SHARE = 0.05, 0.5  # frame around the window, and the window's thickness, of the door's
-HANDLE_SHARE, HANDLE_INSET_M = 0.6, 0.025
+OVEN_HANDLE_SHARE, OVEN_HANDLE_INSET_M = 0.6, 0.025  # length, of the height; distance from the door's free edge
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def _door(p: Microwave, front: float, edge: float) -> GeneratedLink:
         )
     )
     pane = box((front, f - y, f), (front + WINDOW_SHARE * t, edge - f, z - f))
-    handle = bar_handle(HANDLE_SHARE * z, front + t, edge - HANDLE_INSET_M, 0.5 * z, "z")
+    handle = bar_handle(OVEN_HANDLE_SHARE * z, front + t, edge - OVEN_HANDLE_INSET_M, 0.5 * z, "z")
     return GeneratedLink(
         "door",
         (

@@ -9,7 +9,7 @@ import numpy as np
 from assetkit.generate.generator import PAINTS, GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import choice, quantity
 from assetkit.generate.shape import SEGMENTS, box, cylinder, revolved
-from schemas.generated import TrueClearance, TrueHole, TrueInterior
+from assetkit.generate.truth import TrueClearance, TrueHole, TrueInterior
 from schemas.mechanism import MechanismJoint
 
 NECK_SHARE, NECK_M = 0.45, 0.02  # radius of the neck, of the bottle's; its height

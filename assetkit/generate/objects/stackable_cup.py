@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from assetkit.generate.generator import PAINTS, GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import choice, quantity
 from assetkit.generate.shape import revolved
-from schemas.generated import TrueClearance, TrueInterior
+from assetkit.generate.truth import TrueClearance, TrueInterior
 
 
 @dataclass(frozen=True)

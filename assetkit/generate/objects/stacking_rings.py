@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from assetkit.generate.generator import GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import choice, count, quantity
 from assetkit.generate.shape import cylinder, revolved
-from schemas.generated import TrueClearance, TrueHole
+from assetkit.generate.truth import TrueClearance, TrueHole
 
-BASE_M = 0.012  # height of the stand's base
+STAND_BASE_M = 0.012  # height of the stand's base
 COLOURS_BY_SIZE = ("red", "orange", "yellow", "green", "blue", "purple")
 SMALLEST_SHARE = 0.6  # radius of the smallest ring, of the largest one's
 BEVEL_SHARE = 0.25  # of a ring's height: its edges are bevelled so much
@@ -30,7 +30,8 @@ class StackingRings:
 def build(p: StackingRings) -> GeneratedSet:
     """The stand and the rings, each an object of its own, with the clearance of every hole around the rod."""
     rod = p.rings * p.ring_height_m + p.ring_height_m
-    shape = cylinder(p.outer_radius_m, BASE_M, (0.0, 0.0, 0.0)) + cylinder(p.rod_radius_m, rod, (0.0, 0.0, BASE_M))
+    base = cylinder(p.outer_radius_m, STAND_BASE_M, (0.0, 0.0, 0.0))
+    shape = base + cylinder(p.rod_radius_m, rod, (0.0, 0.0, STAND_BASE_M))
     part = GeneratedPart("body", shape, p.material, "oak" if p.material == "wood" else "white")
     stand = GeneratedObject("rod_stand", (GeneratedLink("body", (part,)),))
     steps = max(p.rings - 1, 1)

@@ -9,10 +9,10 @@ import numpy as np
 from assetkit.generate.generator import PAINTS, GeneratedLink, GeneratedObject, GeneratedPart, GeneratedSet, Generator
 from assetkit.generate.parameters import choice, quantity
 from assetkit.generate.shape import cylinder
-from schemas.generated import TrueClearance
+from assetkit.generate.truth import TrueClearance
 from schemas.mechanism import MechanismJoint
 
-GAP_M = 0.001  # between base and platform
+PLATFORM_GAP_M = 0.001  # between base and platform
 BASE_SHARE = 0.7  # radius of the base, of the platform's
 MARK_SHARE, MARK_M = 0.08, 0.002  # radius and height of the mark that shows the turn
 
@@ -32,7 +32,7 @@ class Turntable:
 
 def build(p: Turntable) -> GeneratedSet:
     """The table; its position is positive counter-clockwise seen from above."""
-    r, z = p.radius_m, p.base_height_m + GAP_M
+    r, z = p.radius_m, p.base_height_m + PLATFORM_GAP_M
     base = cylinder(BASE_SHARE * r, p.base_height_m, (0.0, 0.0, 0.0))
     platform = cylinder(r, p.platform_m, (0.0, 0.0, z))
     mark = cylinder(MARK_SHARE * r, MARK_M, (0.8 * r, 0.0, z + p.platform_m))
@@ -56,7 +56,7 @@ def build(p: Turntable) -> GeneratedSet:
         damping=p.damping_Nms_per_rad,
         friction=p.friction_Nm,
     )
-    gap = TrueClearance(name="gap under the platform", inner="platform", outer="base", clearance_m=GAP_M)
+    gap = TrueClearance(name="gap under the platform", inner="platform", outer="base", clearance_m=PLATFORM_GAP_M)
     return GeneratedSet((GeneratedObject("turntable", links, (joint,)),), (gap,))
 
 

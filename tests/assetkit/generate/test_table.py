@@ -16,11 +16,11 @@ from assetkit.generate.generator import GeneratedObject, Generator
 from assetkit.generate.parameters import ParameterError, parameters_of, random_parameters
 from assetkit.generate.shape import Shape
 from assetkit.generate.table import GENERATORS
+from assetkit.generate.truth import TRUTH_FILE, GeneratedTruth
 from assetkit.generate.write import MESHES, mechanism_of, write_set
 from assetkit.taxonomy.material_classes import materials
 from formats import read_mjcf, read_urdf
 from geom.mechanism_pose import link_frames
-from schemas.generated import TRUTH_FILE, GeneratedTruth
 from schemas.mechanism import Mechanism
 
 SEEDS, CORNERS = (0, 1), 3

@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from assetkit.generate.table import GENERATORS
+from assetkit.generate.truth import TRUTH_FILE, GeneratedTruth
 from cli.assets.app import app
-from schemas.generated import TRUTH_FILE, GeneratedTruth
 
 
 def run(*words: str) -> Result:
