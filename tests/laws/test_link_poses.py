@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +27,8 @@ from formats import link_poses, read_mjcf, read_urdf
 from geom.pose import inverse, matrix_of, pose, rotation_about, to_wxyz
 from schemas.arrays import FloatArray
 from schemas.asset import AssetRecord
+from tests.support import mujoco_usd_links
+from tests.support.peers import peer_python
 from tests.support.present import present
 
 MECHANISMS = {
@@ -268,13 +271,17 @@ def from_mujoco(package: Released) -> Callable[[Positions], Poses]:
 def test_links_stand_where_the_source_has_them(package: Released, judge: Callable) -> None:
     expected, judged = from_source(package), judge(package)
     for state in package.states:
-        right, engine = relative(expected(state), package.root), relative(judged(state), package.root)
+        engine = relative(judged(state), package.root)
         assert set(engine) == set(package.links)
-        for name, X in right.items():
-            error = inverse(X) @ engine[name]
-            turn_deg = np.degrees(np.arccos(np.clip((np.trace(error[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)))
-            assert np.linalg.norm(error[:3, 3]) < MOST_M, (name, state)
-            assert turn_deg < MOST_DEG, (name, state)
+        require_equal_poses(relative(expected(state), package.root), engine, state)
+
+
+def require_equal_poses(expected: Poses, judged: Poses, state: Positions) -> None:
+    for name, X in expected.items():
+        error = inverse(X) @ judged[name]
+        turn_deg = np.degrees(np.arccos(np.clip((np.trace(error[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)))
+        assert np.linalg.norm(error[:3, 3]) < MOST_M, (name, state)
+        assert turn_deg < MOST_DEG, (name, state)
 
 
 def test_outside_validators_and_the_gate_pass_the_package(package: Released) -> None:
@@ -336,6 +343,38 @@ def test_usd_and_pybullet_have_the_joints_limits_and_masses_of_the_record(packag
     for name, joint in joints.items():
         stated = joint.get("limits_rad") or joint.get("limits_m")
         assert limits[name] == (None if stated is None else pytest.approx(stated, abs=1e-5)), name
+
+
+def native_answer(package: Released) -> dict:
+    """What MuJoCo's USD reader holds of the package (`tests.support.mujoco_usd_links`), asked at all states."""
+    request = json.dumps({"file": str(main_usd(package)), "states": package.states})
+    command = [str(peer_python("mujoco-usd")), "-P", mujoco_usd_links.__file__]
+    with tempfile.TemporaryDirectory() as place:  # MuJoCo keeps a log in the folder it works in.
+        done = subprocess.run(
+            command, input=request, capture_output=True, text=True, timeout=100, check=False, cwd=place
+        )
+    assert done.returncode == 0, done.stderr[-2000:]
+    return json.loads(done.stdout)
+
+
+def test_a_usd_native_loader_has_the_joints_axes_limits_and_masses_of_the_record(package: Released) -> None:
+    answer = native_answer(package)
+    assert answer["masses_kg"] == pytest.approx(
+        {link.name: link.mass_kg.value for link in package.record.physics.links}, rel=1e-5
+    )
+    assert answer["joints"].keys() == {joint["name"] for joint in package.joints}
+    for joint in package.joints:
+        read, stated = answer["joints"][joint["name"]], joint.get("limits_rad") or joint.get("limits_m")
+        assert (read["child"], read["slides"]) == (joint["child"], joint["type"] == "prismatic")
+        assert read["axis"] == pytest.approx(present(joint["axis"]), abs=1e-6)
+        assert read["limits"] == (None if stated is None else pytest.approx(stated, abs=1e-5)), joint["name"]
+
+
+def test_links_stand_where_the_source_has_them_in_a_usd_native_loader(package: Released) -> None:
+    expected = from_source(package)
+    for state, poses in zip(package.states, native_answer(package)["poses"], strict=True):
+        read = {name: pose(matrix_of(np.array(numbers[3:])), np.array(numbers[:3])) for name, numbers in poses.items()}
+        require_equal_poses(relative(expected(state), package.root), relative(read, package.root), state)
 
 
 def test_joints_that_close_loops_are_outside_the_articulation(package: Released) -> None:
