@@ -377,6 +377,21 @@ def test_links_stand_where_the_source_has_them_in_a_usd_native_loader(package: R
         require_equal_poses(relative(expected(state), package.root), relative(read, package.root), state)
 
 
+def test_loops_stay_closed_in_mujoco(package: Released) -> None:
+    """A tenth of a second under gravity: the equalities of closing joints hold to a millimetre."""
+    model = mujoco.MjModel.from_xml_path(str(next((package.folder / "export").glob("*.xml"))))
+    closing = [joint for joint in joints_on(package.record) if joint.get("closes_loop")]
+    connects = [i for i in range(model.neq) if model.eq_type[i] == mujoco.mjtEq.mjEQ_CONNECT]
+    assert len(connects) == sum({"prismatic": 0, "ball": 1}.get(joint["type"], 2) for joint in closing)
+    data = mujoco.MjData(model)
+    for joint in package.joints:
+        data.qpos[model.joint(joint["name"]).qposadr[0]] = joint.get("rest_rad", joint.get("rest_m", 0.0))
+    mujoco.mj_step(model, data, nstep=round(0.1 / model.opt.timestep))
+    for i in connects:
+        first, second = data.site_xpos[model.eq_obj1id[i]], data.site_xpos[model.eq_obj2id[i]]
+        assert np.linalg.norm(first - second) < 1e-3
+
+
 def test_joints_that_close_loops_are_outside_the_articulation(package: Released) -> None:
     stage = Usd.Stage.Open(str(main_usd(package)))
     joints = {p.GetName(): UsdPhysics.Joint(p) for p in stage.Traverse() if p.IsA(UsdPhysics.Joint)}

@@ -32,7 +32,7 @@ class HingedBox:
     height_m: float = quantity(0.10, 0.05, 0.30, "m", "height without the lid")
     wall_m: float = quantity(0.006, 0.003, 0.012, "m", "thickness of walls and lid")
     opening_rad: float = quantity(1.9, 1.2, 2.4, "rad", "how far the lid opens")
-    material: str = choice("wood", ("wood", "plastic", "steel"), "material of box and lid")
+    material: str = choice("wood", ("wood", "plastic"), "material of box and lid")
     colour: str = choice("oak", tuple(COLOURS), "colour of box and lid")
 
 

@@ -43,7 +43,7 @@ def build(p: Microwave) -> GeneratedSet:
     inside_low, inside_high = (t - x, t - y, t), (x, edge - t, z - t)
     body = _body(p, inside_low, inside_high, edge)
     links = [
-        GeneratedLink("body", (GeneratedPart("body", body, "steel", "white"),)),
+        GeneratedLink("body", (GeneratedPart("body", body, "plastic", "white"),)),
         _door(p, front, edge - GAP_M),
         _control(p, x, 0.5 * (edge + y)),
     ]
