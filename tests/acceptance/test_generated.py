@@ -31,7 +31,7 @@ from schemas.asset import AssetRecord
 from schemas.physics import Solid
 from usdio.reread.body import reread_package, visible_meshes
 
-IN_MAKE_TEST = ("hinged_box", "stackable_cup", "button_panel", "stacking_rings")
+IN_MAKE_TEST = ("hinged_box", "stacking_rings")  # the others: `make test-long`
 SEED = 3
 # A set is as good as its first member and one more; one member of each kind is enough.
 FEWEST = {"rings": 1, "blocks": 1, "discs": 3, "levels": 1, "buttons": 1, "knobs": 1}

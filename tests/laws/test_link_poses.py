@@ -346,8 +346,13 @@ def test_usd_and_pybullet_have_the_joints_limits_and_masses_of_the_record(packag
 
 
 def native_answer(package: Released) -> dict:
-    """What MuJoCo's USD reader holds of the package (`tests.support.mujoco_usd_links`), asked at all states."""
-    request = json.dumps({"file": str(main_usd(package)), "states": package.states})
+    """What MuJoCo's USD reader holds of the package (`tests.support.mujoco_usd_links`), posed in all states.
+
+    It counts positions from the pose of the stage, wherever that is within the limits, so rest positions are taken off.
+    """
+    rest = {joint["name"]: joint.get("rest_rad", joint.get("rest_m", 0.0)) for joint in package.joints}
+    states = [{name: position - rest[name] for name, position in state.items()} for state in package.states]
+    request = json.dumps({"file": str(main_usd(package)), "states": states})
     command = [str(peer_python("mujoco-usd")), "-P", mujoco_usd_links.__file__]
     with tempfile.TemporaryDirectory() as place:  # MuJoCo keeps a log in the folder it works in.
         done = subprocess.run(

@@ -23,7 +23,7 @@ from formats import read_mjcf, read_urdf
 from geom.mechanism_pose import link_frames
 from schemas.mechanism import Mechanism
 
-SEEDS, CORNERS = (0, 1), 3
+SEEDS, CORNERS = (0, 1), 2
 NO_OVERLAP_M3 = 1e-12  # a cubic tenth of a millimetre: rounding of faces that touch
 
 
