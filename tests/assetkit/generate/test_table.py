@@ -14,14 +14,16 @@ import trimesh
 
 from assetkit.generate.generator import GeneratedObject, Generator
 from assetkit.generate.parameters import ParameterError, parameters_of, random_parameters
-from assetkit.generate.shape import Shape
+from assetkit.generate.shape import Shape, cylinder
 from assetkit.generate.table import GENERATORS
 from assetkit.generate.truth import TRUTH_FILE, GeneratedTruth
 from assetkit.generate.write import MESHES, mechanism_of, write_set
 from assetkit.taxonomy.material_classes import materials
 from formats import read_mjcf, read_urdf
 from geom.mechanism_pose import link_frames
+from geom.pose import apply
 from schemas.mechanism import Mechanism
+from schemas.robot_description import DescribedShape
 
 SEEDS, CORNERS = (0, 1), 2
 NO_OVERLAP_M3 = 1e-12  # a cubic tenth of a millimetre: rounding of faces that touch
@@ -186,6 +188,30 @@ def test_objects_stand_with_their_bottom_centre_at_the_origin(generator: Generat
         ]
         low, high = np.concatenate(points).min(axis=0), np.concatenate(points).max(axis=0)
         assert np.array([*(low + high)[:2], low[2]]) == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+def test_collision_shapes_of_the_files_enclose_what_is_drawn(generator: Generator[Any], tmp_path: Path) -> None:
+    """By their bounds in the frame of each link, to the depth of a chord."""
+    for file in write_set(generator, generator.parameters(), tmp_path):
+        description = (read_urdf if file.suffix == ".urdf" else read_mjcf)(file, tmp_path)
+        for link in description.links:
+            drawn = [corners_of(shape, tmp_path) for shape in link.shapes if not shape.collides]
+            colliding = [corners_of(shape, tmp_path) for shape in link.shapes if shape.collides]
+            if drawn:
+                bounds = [np.stack([c.min(axis=0), c.max(axis=0)]) for c in map(np.concatenate, (drawn, colliding))]
+                assert bounds[1] == pytest.approx(bounds[0], abs=1e-6), (file.name, link.name)
+
+
+def corners_of(shape: DescribedShape, folder: Path) -> np.ndarray:
+    """Corners (n, 3) of a shape in the frame of its link; of a cylinder those of the polygon that is drawn."""
+    if shape.mesh is not None:
+        points = np.asarray(trimesh.load_mesh(folder / MESHES / Path(shape.mesh.uri).name, process=False).vertices)
+    elif shape.kind == "box":
+        signs = np.stack(np.meshgrid(*3 * [[-0.5, 0.5]], indexing="ij"), axis=-1).reshape(-1, 3)
+        points = signs * shape.size_m
+    else:
+        points, _ = cylinder(shape.size_m[0], shape.size_m[1], (0.0, 0.0, -0.5 * shape.size_m[1])).surface
+    return apply(shape.X_LS, points)
 
 
 def test_parameters_outside_their_ranges_are_refused(generator: Generator[Any]) -> None:
