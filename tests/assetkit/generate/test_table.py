@@ -14,7 +14,7 @@ import trimesh
 
 from assetkit.generate.generator import GeneratedObject, Generator
 from assetkit.generate.parameters import ParameterError, parameters_of, random_parameters
-from assetkit.generate.shape import Shape, cylinder
+from assetkit.generate.shape import Shape, box, cylinder
 from assetkit.generate.table import GENERATORS
 from assetkit.generate.truth import TRUTH_FILE, GeneratedTruth
 from assetkit.generate.write import MESHES, mechanism_of, write_set
@@ -99,6 +99,27 @@ def test_links_do_not_meet_at_rest_nor_at_the_ends_and_middle_of_any_joint(gener
                 states += [{joint.name: at} for at in (low, 0.5 * (low + high), high)]
             for state in states:
                 assert overlaps(solids_at(thing, mechanism, state)) == {}, (thing.name, state, values)
+
+
+def test_insides_are_free_and_walls_begin_at_their_bounds(generator: Generator[Any]) -> None:
+    """A box inside is empty and filled by nothing larger; a round or leaning one is smaller than its box."""
+    for values in cases(generator):
+        for thing in generator.run(values).objects:
+            solids = {link.name: link.parts[0].shape.solid for link in thing.links}
+            for inside in thing.interiors:
+                low, high = np.array(inside.low_m), np.array(inside.high_m)
+                box_m3 = float(np.prod(high - low))
+                if inside.volume_m3 < (1.0 - 1e-9) * box_m3:
+                    assert inside.volume_m3 > 0.5 * box_m3
+                    continue
+                assert inside.volume_m3 == pytest.approx(box_m3)
+                assert (solids[inside.link] ^ box(low, high).solid).volume() <= NO_OVERLAP_M3, (thing.name, values)
+                for axis in range(3):
+                    grown = np.zeros(3)
+                    grown[axis] = 1e-4
+                    sides = [box(low - grown, high), box(low, high + grown)]
+                    walls = [(solids[inside.link] ^ side.solid).volume() > NO_OVERLAP_M3 for side in sides]
+                    assert walls == [True, inside.direction[axis] == 0.0], (thing.name, inside.name, axis)
 
 
 def test_a_joint_that_goes_too_far_would_be_seen() -> None:
