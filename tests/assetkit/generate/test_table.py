@@ -19,11 +19,12 @@ from assetkit.generate.table import GENERATORS
 from assetkit.generate.truth import TRUTH_FILE, GeneratedTruth
 from assetkit.generate.write import MESHES, mechanism_of, write_set
 from assetkit.taxonomy.material_classes import materials
-from formats import read_mjcf, read_urdf
+from formats import link_mass, read_mjcf, read_urdf
 from geom.mechanism_pose import link_frames
 from geom.pose import apply
 from schemas.mechanism import Mechanism
 from schemas.robot_description import DescribedShape
+from tests.support.present import present
 
 SEEDS, CORNERS = (0, 1), 2
 NO_OVERLAP_M3 = 1e-12  # a cubic tenth of a millimetre: rounding of faces that touch
@@ -153,7 +154,10 @@ def test_truth_is_that_of_the_files(generator: Generator[Any], tmp_path: Path) -
             inertia = sum(
                 mesh.moment_inertia + mesh.mass * parallel_axis(mesh.center_mass + origin - centre) for mesh in weighed
             )
-            assert link.mass_kg == pytest.approx(mass, rel=1e-9)
+            stated = present(link_mass(described))
+            assert (stated.mass_kg, link.mass_kg) == pytest.approx((mass, mass), rel=1e-9)
+            assert stated.centre_of_mass_m + origin == pytest.approx(centre, abs=1e-9)
+            assert stated.inertia_kgm2 == pytest.approx(inertia, abs=1e-9 * np.trace(inertia))
             assert link.volume_m3 == pytest.approx(sum(mesh.volume for mesh in weighed), rel=1e-9)
             assert link.centre_of_mass_m == pytest.approx(centre, abs=1e-9)
             assert np.array(link.inertia_kgm2) == pytest.approx(inertia, abs=1e-9 * np.trace(inertia))
