@@ -31,7 +31,7 @@ from schemas.asset import AssetRecord
 from schemas.physics import Solid
 from usdio.reread.body import reread_package, visible_meshes
 
-IN_MAKE_TEST = ("hinged_box", "stacking_rings")  # the others: `make test-long`
+pytestmark = pytest.mark.long  # 10 to 40 s of processor time for each generator
 SEED = 3
 # A set is as good as its first member and one more; one member of each kind is enough.
 FEWEST = {"rings": 1, "blocks": 1, "discs": 3, "levels": 1, "buttons": 1, "knobs": 1}
@@ -62,10 +62,7 @@ def settings(generator: Generator[Any]) -> Iterator[str]:
         yield f"{parameter.name}={FEWEST.get(parameter.name, getattr(values, parameter.name))}"
 
 
-@pytest.fixture(
-    scope="module",
-    params=[pytest.param(n, marks=[] if n in IN_MAKE_TEST else [pytest.mark.long]) for n in GENERATORS],
-)
+@pytest.fixture(scope="module", params=list(GENERATORS))
 def released(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> ReleasedSet:
     out = tmp_path_factory.mktemp(request.param)
     command = [sys.executable, "-m", "cli.main", "assets", "generate", request.param, "--jobs", "1", "--json"]

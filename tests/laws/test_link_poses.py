@@ -43,6 +43,8 @@ STATES = 20
 MOST_M, MOST_DEG = 1e-4, 0.05
 AXES = {"X": np.eye(3)[0], "Y": np.eye(3)[1], "Z": np.eye(3)[2]}
 
+ANSWERS: dict[Path, dict] = {}  # of the USD-native loader, by package
+
 Positions = Mapping[str, float]
 Poses = dict[str, FloatArray]
 
@@ -350,6 +352,8 @@ def native_answer(package: Released) -> dict:
 
     It counts positions from the pose of the stage, wherever that is within the limits, so rest positions are taken off.
     """
+    if package.folder in ANSWERS:
+        return ANSWERS[package.folder]
     rest = {joint["name"]: joint.get("rest_rad", joint.get("rest_m", 0.0)) for joint in package.joints}
     states = [{name: position - rest[name] for name, position in state.items()} for state in package.states]
     request = json.dumps({"file": str(main_usd(package)), "states": states})
@@ -359,7 +363,8 @@ def native_answer(package: Released) -> dict:
             command, input=request, capture_output=True, text=True, timeout=100, check=False, cwd=place
         )
     assert done.returncode == 0, done.stderr[-2000:]
-    return json.loads(done.stdout)
+    ANSWERS[package.folder] = json.loads(done.stdout)
+    return ANSWERS[package.folder]
 
 
 def test_a_usd_native_loader_has_the_joints_axes_limits_and_masses_of_the_record(package: Released) -> None:

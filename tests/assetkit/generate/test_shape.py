@@ -55,7 +55,7 @@ WHOLE = [name for name in SHAPES if name != "plate with holes"]
 def inside_and_covered(shape: Shape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points of a grid over the shape, whether they are inside its solid, and whether inside a convex piece."""
     points, _ = shape.surface
-    axes = [np.linspace(low, high, 17) + 1e-4 for low, high in zip(points.min(axis=0), points.max(axis=0), strict=True)]
+    axes = [np.linspace(low, high, 11) + 1e-4 for low, high in zip(points.min(axis=0), points.max(axis=0), strict=True)]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     inside = np.array([bool((shape.solid ^ box(p - 1e-6, p + 1e-6).solid).volume() > 4e-18) for p in grid])
     assert inside.sum() > 50
