@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 import shapely
@@ -36,6 +37,7 @@ SEED = 3
 # A set is as good as its first member and one more; one member of each kind is enough.
 FEWEST = {"rings": 1, "blocks": 1, "discs": 3, "levels": 1, "buttons": 1, "knobs": 1}
 MOST_AXIS_DEG, MOST_LIMIT, MOST_SHARE = 0.1, 1e-6, 0.01
+ABOVE_M, ASIDE_M, DROP_S = 0.002, (0.0003, 0.0002), 2.0  # where a thing is let go, and for how long
 # A hole stays as wide as this share of it in the released colliders: chords of 16 sectors take 1.9 %.
 LEAST_OPEN = 0.97
 
@@ -166,3 +168,39 @@ def free_width_m(folder: Path, hole: TrueHole) -> float:
     corners = [surface(shape)[0] for shape in package.body.shapes]
     outlines = [shapely.MultiPoint(c[:, :2]).convex_hull for c in corners if c[:, 2].max() > ground_m]
     return 2.0 * min(outline.distance(shapely.Point(hole.centre_m[:2])) for outline in outlines)
+
+
+def test_what_goes_together_slides_together_in_mujoco(released: ReleasedSet) -> None:
+    """The thing with the hole, let go 2 mm above the other one and a little aside, sinks as deep as the two were built.
+
+    A recess is turned upside down over what goes in. Rings and discs come to rest on the base of their rod, a socket on
+    the grip of its plug.
+    """
+    things = {thing.name: thing for thing in released.truth.objects}
+    for clearance in released.truth.clearances:
+        inner, outer = things.get(clearance.inner), things.get(clearance.outer)
+        if inner is None or outer is None or inner is outer:
+            continue
+        (hole,) = outer.holes
+        bottom_m, top_m = lowest_after_drop(released, inner, outer, hole)
+        depth_m = hole.depth_m - clearance.clearance_m if hole.depth_m is not None else 0.7 * top_m
+        assert bottom_m < top_m - depth_m + 1e-3, (outer.name, bottom_m, top_m)
+
+
+def lowest_after_drop(
+    released: ReleasedSet, inner: TrueObject, outer: TrueObject, hole: TrueHole
+) -> tuple[float, float]:
+    """Height at which the lower end of `outer` comes to rest, and that of the upper end of `inner` (m)."""
+    twins = [next((released.folder(thing) / "export").glob("*.urdf")) for thing in (inner, outer)]
+    top_m = float(reread_package(next((released.folder(inner) / "usd").glob("*.usda"))).visual_points[:, 2].max())
+    turned_m = hole.centre_m[2] if hole.depth_m is not None else 0.0
+    world = mujoco.MjSpec()
+    world.attach(mujoco.MjSpec.from_file(str(twins[0])), prefix="inner_", frame=world.worldbody.add_frame())
+    place = [*ASIDE_M, top_m + ABOVE_M + turned_m]
+    body = world.worldbody.add_body(pos=place, quat=[0.0, 1.0, 0.0, 0.0] if turned_m else [1.0, 0.0, 0.0, 0.0])
+    body.add_freejoint()
+    world.attach(mujoco.MjSpec.from_file(str(twins[1])), prefix="outer_", frame=body.add_frame())
+    model = world.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, nstep=round(DROP_S / model.opt.timestep))
+    return float(data.qpos[2]) - turned_m, top_m
