@@ -1,7 +1,8 @@
 """Shapes that generators build with: a closed solid, and convex pieces that cover the same space for collisions.
 
 Metres, in the frame of the object (z up, front +x). Round shapes are polygons with `SEGMENTS` corners on the circle;
-pieces of hollow round shapes are `SECTORS` convex sectors. Volumes are those of the polygonal solid.
+pieces of hollow round shapes are `SECTORS` convex sectors. Volumes are those of the polygonal solid. Corners lie on a
+grid of a nanometre, so that faces at one place are equal, however their place was computed, and touching bodies merge.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from manifold3d import CrossSection, Manifold, OpType
+from manifold3d import CrossSection, Manifold, Mesh64, OpType
 
 from geom.convex.hull import convex_hull
 from geom.mass.inertia import enclosed_volume
@@ -22,6 +23,7 @@ from schemas.physics import CollisionShape, VolumeProperties
 
 SEGMENTS = 96  # corners of a circle: its area is short by 0.07 %
 SECTORS = 24  # of a hollow round shape; a chord cuts 0.9 % of the inner radius off the hole
+GRID_DECIMALS = 9  # of coordinates in m: a nanometre
 AXES = {"x": np.array([1.0, 0.0, 0.0]), "y": np.array([0.0, 1.0, 0.0]), "z": np.array([0.0, 0.0, 1.0])}
 AxisName = Literal["x", "y", "z"]
 Point = Sequence[float] | FloatArray  # (3,), of a rectangle's centre (2,)
@@ -79,14 +81,14 @@ def box(low_m: Point, high_m: Point) -> Shape:
     if not (high > low).all():
         raise ValueError(f"a box from {low} to {high} has no inside")
     x, y, z = (high - low).tolist()
-    solid = Manifold.cube((x, y, z)).translate(low)
+    solid = _on_grid(Manifold.cube((x, y, z)).translate(low))
     return Shape(solid, (CollisionShape("box", (x, y, z), pose(None, 0.5 * (low + high))),))
 
 
 def cylinder(radius_m: float, height_m: float, base_m: Point, axis: AxisName = "z") -> Shape:
     """The cylinder from the centre of its base along a positive axis."""
     X = pose(_from_z(axis), np.asarray(base_m, dtype=np.float64))
-    solid = Manifold.cylinder(height_m, radius_m, radius_m, SEGMENTS).transform(np.ascontiguousarray(X[:3]))
+    solid = _on_grid(Manifold.cylinder(height_m, radius_m, radius_m, SEGMENTS).transform(np.ascontiguousarray(X[:3])))
     middle = X @ pose(None, np.array([0.0, 0.0, 0.5 * height_m]))
     return Shape(solid, (CollisionShape("cylinder", (radius_m, height_m), middle),))
 
@@ -101,7 +103,7 @@ def revolved(profiles: Sequence[Profile], base_m: Point = (0.0, 0.0, 0.0), axis:
         outline = outline + CrossSection([np.array(profile)])
     X = pose(_from_z(axis), np.asarray(base_m, dtype=np.float64))
     pieces = tuple(_posed(piece, X) for profile in profiles for piece in _swept(profile))
-    return Shape(Manifold.revolve(outline, SEGMENTS).transform(np.ascontiguousarray(X[:3])), pieces)
+    return Shape(_on_grid(Manifold.revolve(outline, SEGMENTS).transform(np.ascontiguousarray(X[:3]))), pieces)
 
 
 def tube(inner_m: float, outer_m: float, height_m: float, base_m: Point) -> Shape:
@@ -146,7 +148,7 @@ def frustum(
         for size, centre, z in ((low_size_m, low_centre_m, z0), (high_size_m, high_centre_m, z1))
     ]
     points, triangles = convex_hull(np.concatenate(corners))
-    solid = Manifold.hull_points(points)
+    solid = _on_grid(Manifold.hull_points(points))
     return Shape(solid, (CollisionShape("hull", (), np.eye(4), points, triangles.astype(np.int32)),))
 
 
@@ -166,6 +168,11 @@ def drilled(plate_low_m: Point, plate_high_m: Point, holes: Sequence[tuple[float
         pieces += box((x + radius, y - radius, z0), (x1, y + radius, z1)).convex
         edge = y + radius
     return Shape(solid, (*pieces, *box((x0, edge, z0), plate_high_m).convex))
+
+
+def _on_grid(solid: Manifold) -> Manifold:
+    points, triangles = manifold_arrays(solid)
+    return Manifold(Mesh64(np.round(points, GRID_DECIMALS), triangles.astype(np.uint64)))
 
 
 def _from_z(axis: AxisName) -> FloatArray:

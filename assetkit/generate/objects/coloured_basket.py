@@ -31,7 +31,9 @@ def build(p: ColouredBasket) -> GeneratedSet:
     rim = floor + 2.0 * p.flare * h
     at_floor = floor + 2.0 * p.flare * t  # outer size at the height of the floor
     inner = frustum(at_floor - 2.0 * t, rim - 2.0 * t, t, h)
-    solid = frustum(floor, rim, 0.0, h).solid - inner.solid
+    # The cut goes on beyond the rim: one that ended level with it could leave a film there.
+    cut = frustum(at_floor - 2.0 * t, at_floor - 2.0 * t + 2.0 * (rim - at_floor), t, 2.0 * h - t)
+    solid = frustum(floor, rim, 0.0, h).solid - cut.solid
     walls = [
         piece for axis in (0, 1) for side in (-1.0, 1.0) for piece in _wall(at_floor, rim, t, h, axis, side).convex
     ]

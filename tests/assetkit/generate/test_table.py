@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from manifold3d import Manifold
 
 from assetkit.generate.generator import GeneratedObject, Generator
 from assetkit.generate.parameters import ParameterError, parameters_of, random_parameters
@@ -17,6 +18,8 @@ from assetkit.generate.shape import Shape, box
 from assetkit.generate.table import GENERATORS
 from assetkit.generate.write import mechanism_of
 from geom.mechanism_pose import link_frames
+from geom.mesh.manifold_arrays import manifold_arrays
+from geom.mesh.rays import Rays
 from schemas.mechanism import Mechanism
 
 SEEDS, CORNERS = (0,), 1
@@ -78,6 +81,8 @@ def test_parts_are_closed_bodies_that_touch_and_do_not_overlap(generator: Genera
                     mesh = trimesh.Trimesh(*part.shape.surface, process=False)
                     assert mesh.is_watertight, (thing.name, part.name, values)
                     assert mesh.volume > 0.0, (thing.name, part.name, values)
+                    bodies = [body for body in part.shape.solid.decompose() if body.volume() > 0.0]
+                    assert len(bodies) == 1, (thing.name, part.name, values)  # a sealed cavity has a negative volume
                 for a, b in combinations(link.parts, 2):
                     assert (a.shape.solid ^ b.shape.solid).volume() <= NO_OVERLAP_M3, (thing.name, a.name, b.name)
 
@@ -101,6 +106,7 @@ def test_insides_are_free_and_walls_begin_at_their_bounds(generator: Generator[A
             solids = {link.name: link.parts[0].shape.solid for link in thing.links}
             for inside in thing.interiors:
                 low, high = np.array(inside.low_m), np.array(inside.high_m)
+                assert is_open(solids[inside.link], low, high, np.array(inside.direction)), (thing.name, values)
                 box_m3 = float(np.prod(high - low))
                 if inside.volume_m3 < (1.0 - 1e-9) * box_m3:
                     assert inside.volume_m3 > 0.5 * box_m3
@@ -113,6 +119,13 @@ def test_insides_are_free_and_walls_begin_at_their_bounds(generator: Generator[A
                     sides = [box(low - grown, high), box(low, high + grown)]
                     walls = [(solids[inside.link] ^ side.solid).volume() > NO_OVERLAP_M3 for side in sides]
                     assert walls == [True, inside.direction[axis] == 0.0], (thing.name, inside.name, axis)
+
+
+def is_open(solid: Manifold, low: np.ndarray, high: np.ndarray, direction: np.ndarray) -> bool:
+    """Whether a ray from near the ground of an inside, beside its middle, leaves it: not even a film closes it."""
+    beside = 0.5 * (low + high) + 0.1 * (high - low) * (direction == 0.0)
+    start = np.where(direction > 0.0, low + 1e-4, beside)
+    return bool(np.isinf(Rays(*manifold_arrays(solid)).hit_distances(start[None], direction))[0])
 
 
 def test_a_joint_that_goes_too_far_would_be_seen() -> None:
