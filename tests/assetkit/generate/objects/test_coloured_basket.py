@@ -10,7 +10,11 @@ from assetkit.generate.parameters import random_parameters
 from geom.mesh.rays import Rays
 
 CLOSED_BY_A_FILM = ColouredBasket(
-    0.19759681220154934, 0.2840641841552637, 0.2165289876647408, 0.004486301183801481, 0.2
+    width_m=0.19759681220154934,
+    depth_m=0.2840641841552637,
+    height_m=0.2165289876647408,
+    wall_m=0.004486301183801481,
+    flare=0.20546985646389063,
 )
 
 
