@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 from pydantic import BaseModel
 
+from assetkit.generate.truth import GeneratedTruth
 from scenec.source.language import editor_schema
 from schemas.asset import AssetRecord
 from schemas.episode import EpisodeDescription
@@ -24,6 +25,7 @@ _MODELS: dict[str, type[BaseModel]] = {
     "plan": RuntimePlan,
     "report": IngestReport,
     "samples": SceneSamples,
+    "truth": GeneratedTruth,
 }
 
 
@@ -85,6 +87,15 @@ def report(as_json: Annotated[bool, typer.Option("--json", help="The output is J
     Example: `mana schema report > report.schema.json`
     """
     _print("report")
+
+
+@app.command("truth")
+def truth(as_json: Annotated[bool, typer.Option("--json", help="The output is JSON in any case.")] = True) -> None:
+    """The schema of `truth.json`, which `mana assets generate` writes beside its sources.
+
+    Example: `mana schema truth > truth.schema.json`
+    """
+    _print("truth")
 
 
 @app.command("scene")

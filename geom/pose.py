@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -54,7 +56,9 @@ def rotation_of_rpy(rpy_rad: FloatArray | tuple[float, ...]) -> FloatArray:
 
 def rpy_of_rotation(R_AB: FloatArray) -> FloatArray:
     """Roll, pitch, yaw (3,) in radians about the fixed axes x, y, z; yaw is 0 where only their sum is determined."""
-    return np.asarray(Rotation.from_matrix(R_AB).as_euler("xyz"), dtype=np.float64)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of SciPy, where only the sum is determined
+        return np.asarray(Rotation.from_matrix(R_AB).as_euler("xyz"), dtype=np.float64)
 
 
 def rotation_about(axis: FloatArray | tuple[float, ...], angle_rad: float) -> FloatArray:

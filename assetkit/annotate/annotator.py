@@ -40,6 +40,7 @@ class Observation:
     nodes      names of nodes and meshes.           materials  names of render materials.
     titles     titles stated in the file.          shared     whether the file holds other objects as well.
     views      PNG pictures by name, in the order to be shown; only for an annotator that looks at them.
+    articulated  whether its nodes are the links of a mechanism.
     """
 
     file: str
@@ -50,6 +51,7 @@ class Observation:
     shape: ObjectShape
     shared: bool = False
     views: Mapping[str, bytes] = field(default_factory=dict)
+    articulated: bool = False
 
 
 @dataclass(frozen=True)

@@ -84,9 +84,10 @@ def _witnesses(observation: Observation) -> Iterator[_NameEvidence]:
         if folder is not None:
             yield from _named("folder", *folder, weight)
     within = NODES_OF_OTHER if file.other else 1.0
-    yield from _agreed(
-        "node", [n for n in observation.nodes if n not in (observation.file, *observation.titles)], within * NODES
-    )
+    # Links are parts: the pans of a balance make it no frying pan, the drawers of a drawer unit confirm its name.
+    if not (observation.articulated and file.other):
+        nodes = [n for n in observation.nodes if n not in (observation.file, *observation.titles)]
+        yield from _agreed("node", nodes, within * NODES)
     yield from _agreed("material", observation.materials, within * MATERIALS)
 
 

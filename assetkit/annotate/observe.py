@@ -31,4 +31,5 @@ def observe(draft: Draft) -> Observation:
             metric=is_reliable(canonical.meters_per_unit, model.meters_per_unit),
         ),
         shared=draft.intake.siblings > 0,
+        articulated=canonical.mechanism is not None,
     )

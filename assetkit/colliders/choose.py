@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from assetkit.colliders.decompose import DecompositionSettings, decompose
+from assetkit.colliders.decompose import DecompositionSettings, decompose, open_through
 from geom.convex.hull import convex_hull, extreme_points
 from geom.convex.primitive_fits import fit_box, fit_capsule, fit_cylinder, fit_sphere
 from geom.decomposition.fidelity import ReferenceSurface, measure_fidelity, reference_surface
@@ -76,7 +76,8 @@ SINGLE_SHAPES: tuple[tuple[str, Fit, Tolerance], ...] = (
     ("cylinder", fit_cylinder, ANALYTIC),
     ("hull", _fit_hull, HULL),
 )
-CUTS, CUTS_AROUND, CUTS_EVEN, COACD, COACD_COARSE, VHACD, CUTS_FINE = (
+SECTORS, CUTS, CUTS_AROUND, CUTS_EVEN, COACD, COACD_COARSE, VHACD, CUTS_FINE = (
+    "sectors",
     "cuts",
     "cuts_around",
     "cuts_even",
@@ -86,6 +87,7 @@ CUTS, CUTS_AROUND, CUTS_EVEN, COACD, COACD_COARSE, VHACD, CUTS_FINE = (
     "cuts_fine",
 )
 DECOMPOSITIONS: tuple[tuple[str, DecompositionSettings], ...] = (
+    (SECTORS, DecompositionSettings(method="sectors", sector_planes=8)),
     (CUTS, DecompositionSettings(method="cuts")),
     (CUTS_AROUND, DecompositionSettings(method="cuts", sector_planes=4)),
     (CUTS_EVEN, DecompositionSettings(method="cuts", balance=2.0)),
@@ -155,9 +157,9 @@ def choose_colliders(
 
     `exclude` names methods that must not be chosen again; `cavities` are those of the solid where they are known. When
     none passes, the one with the least violation stands in, one that keeps the openings before any that does not; with
-    a warning, unless it is within the tolerance of parts. A sheet counts as a wall of its assumed thickness. Cuts
-    around an axis are for vessels. The two methods after CoACD are for bodies that no earlier method decomposed, the
-    last for bodies where all violate a bound by far.
+    a warning, unless it is within the tolerance of parts. A sheet counts as a wall of its assumed thickness. Sectors
+    are for rings, which are open from end to end, cuts around an axis for vessels. The two methods after CoACD are for
+    bodies that no earlier method decomposed, the last for bodies where all violate a bound by far.
     """
     target = _target(solid, find_cavities(solid) if cavities is None else cavities)
     tried: list[ColliderCandidate] = []
@@ -170,6 +172,8 @@ def choose_colliders(
     # A convex hull that stands in for a broken surface has nothing to decompose.
     methods = [entry for entry in DECOMPOSITIONS if entry[0] not in exclude] if solid.kind != "hull" else []
     for method, settings in methods:
+        if method == SECTORS and not any(open_through(cavity) for cavity in target.cavities):
+            continue
         if method == CUTS_AROUND and not any(not cavity.through for cavity in target.cavities):
             continue
         if method in (COACD_COARSE, VHACD) and any(len(c.shapes) > 1 for c in tried):

@@ -36,6 +36,8 @@ from schemas.physics import CollisionShape
 LEAST_THICKNESS, LEAST_VOLUME = 2e-4, 1e-7
 # More parts than this are too many for 32 hulls; CoACD does not run on more faces than this.
 MOST_SEPARATE_PARTS, MOST_FACES = 200, 6000
+# A ring whose section is convex has hulls of sectors that hold this much more at most, which are chords of the hole.
+SECTORS_FILL = 1.05
 # The work is bounded in processor time, so that a busy machine gives the same answer as an idle one.
 DECOMPOSITION_CPU_S = 20  # twice what the dev assets need alone on a machine: a busy one must not change the outcome
 CELL = Limits(seconds=10.0 * DECOMPOSITION_CPU_S, memory_mb=4096)
@@ -48,14 +50,15 @@ class DecompositionSettings:
     threshold          CoACD's concavity at which a piece counts as convex.
     max_hulls          join neighbours beyond this number.
     max_pieces         cut no further than into so many before joining.
-    sector_planes      first cut by so many planes through the axis of the opening that holds most.
+    sector_planes      first cut by so many planes through the axis of the opening that holds most; all that `sectors`
+                       does, about the axis of the widest hole that is open from end to end.
     balance            how much cuts prefer many small excesses to one large (`geom.decomposition.plane_cuts.CutGoal`).
     resolution         CoACD's samples per concavity measure (default 2000); 500 changes the result little.
     search_*           CoACD's tree search; its defaults 20, 150, 3 give the same hulls in three times the time.
     voxels             V-HACD's voxel budget.
     """
 
-    method: Literal["cuts", "coacd", "vhacd"] = "coacd"
+    method: Literal["sectors", "cuts", "coacd", "vhacd"] = "coacd"
     threshold: float = 0.05
     max_hulls: int = 32
     max_pieces: int = 80
@@ -75,6 +78,8 @@ class DecompositionSettings:
             return f"coacd {version('coacd')}, threshold {self.threshold:g}, {search}, seed {self.seed}"
         if self.method == "vhacd":
             return f"vhacdx {version('vhacdx')}, {self.voxels} voxels"
+        if self.method == "sectors":
+            return f"{2 * self.sector_planes} sectors, manifold3d {version('manifold3d')}"
         first = f"{2 * self.sector_planes} sectors, " if self.sector_planes else ""
         fine = f"{self.max_pieces} pieces, " if self.max_pieces != DecompositionSettings.max_pieces else ""
         return f"plane cuts, {first}{fine}balance {self.balance:g}, manifold3d {version('manifold3d')}"
@@ -102,6 +107,9 @@ def decompose(
     `cavities`. Never raises because of the mesh or the library: the reason is in the result. Same input, same hulls.
     Raises OSError when files on the way could not be written or read.
     """
+    if settings.method == "sectors":
+        parts = _sectors(body, cavities, settings.sector_planes)
+        return Decomposition((), parts) if isinstance(parts, str) else _standing(body, parts)
     seeds = body.simplified.decompose()
     if len(seeds) > MOST_SEPARATE_PARTS:
         return Decomposition((), f"{len(seeds)} separate parts, more than {MOST_SEPARATE_PARTS}")
@@ -119,12 +127,37 @@ def decompose(
     parts = convex_parts(body, seeds, cavities, settings.max_hulls, settings.max_pieces, settings.balance)
     if len(parts) > settings.max_hulls:
         return Decomposition((), f"{len(parts)} hulls, more than {settings.max_hulls}")
+    return _standing(body, parts)
+
+
+def _standing(body: SimplifiedBody, parts: Sequence[FloatArray]) -> Decomposition:
+    """The hulls of `parts` (points in metres) without slivers, none through a plane that the body rests on."""
     size = body.size * body.scale_m
     ground = resting_planes(body.in_metres(manifold_arrays(body.full)[0]))
     standing = [hull_within(part, ground) for part in parts]
     shapes = [shape for shape in standing if shape is not None and _is_sound(shape, size)]
     reason = "" if shapes else "all hulls are slivers"
     return Decomposition(tuple(shapes), reason, len(parts) - len(shapes))
+
+
+def open_through(cavity: Cavity) -> bool:
+    """Whether a ball can leave the opening by another way than its mouth: a hole, also one with a wide mouth."""
+    return cavity.through or cavity.second_m > 0.0
+
+
+def _sectors(body: SimplifiedBody, cavities: Sequence[Cavity], planes: int) -> list[FloatArray] | str:
+    """Corners (m) of the pieces between planes through the axis of the widest hole, or why their hulls are no fit."""
+    through = [cavity for cavity in cavities if open_through(cavity)]
+    if not through:
+        return "nothing is open from end to end"
+    widest = max(through, key=lambda cavity: cavity.diameter_m)
+    pieces = cut_sectors(body.full, widest.direction, (widest.opening_m - body.centre_m) / body.scale_m, planes)
+    if len(pieces) > 2 * planes:
+        return f"{len(pieces)} pieces in {2 * planes} sectors"
+    filled = sum(piece.hull().volume() for piece in pieces) / body.full.volume()
+    if filled > SECTORS_FILL:
+        return f"hulls of sectors have {filled:.3f} times the volume, more than {SECTORS_FILL:g}"
+    return [body.in_metres(manifold_arrays(piece.hull())[0]) for piece in pieces]
 
 
 def _in_cell(

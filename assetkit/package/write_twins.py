@@ -1,7 +1,8 @@
 """Writes the twins of a package: a URDF of every object, and an MJCF of an articulated one, from the re-read USD.
 
-URDF is a tree: a joint that closes a loop is left out, and the diagnostics say which. Positions of joints are those of
-the source, so their zero need not be the rest state.
+URDF is a tree: a joint that closes a loop is left out, and the diagnostics say which. In MJCF it becomes `connect`
+equalities: two points on the axis of a hinge, one of a ball joint; a slide has no such form and is left out as well.
+Positions of joints are those of the source, so their zero need not be the rest state.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import formats
 from assetkit.package.write_urdf import described_link, write_urdf
+from formats.mjcf.write import ConnectedPoints
 from geom.mechanism_pose import joint_motion
 from geom.pose import pose
 from schemas.mechanism import Mechanism, MechanismJoint
@@ -22,6 +24,8 @@ from usdio.write.mesh_materials import materials_per_mesh
 VISUAL_GROUP, COLLISION_GROUP = 2, 3  # of MuJoCo geoms: its viewer shows groups 0 to 2
 # REP 103 and urdfdom ask for an effort and a speed of every limited joint; these are beyond any household mechanism.
 UNSTATED_EFFORT, UNSTATED_SPEED = 1000.0, 100.0
+# Distance of the two points on a closing hinge: far enough apart to hold its axis, near enough to be about the joint.
+HINGE_POINTS_M = 0.05
 
 
 def write_twins(content_on_disk: RereadPackage, content: PackageContent, folder: Path) -> tuple[Path, ...]:
@@ -37,7 +41,7 @@ def write_twins(content_on_disk: RereadPackage, content: PackageContent, folder:
     description = _description(content_on_disk, mechanism, content, export)
     urdf, mjcf = (export / f"{content.asset_id}.{suffix}" for suffix in ("urdf", "xml"))
     urdf.write_bytes(formats.write_urdf(replace(description, joints=_with_required(description))).data)
-    mjcf.write_bytes(formats.write_mjcf(_in_groups(description)).data)
+    mjcf.write_bytes(formats.write_mjcf(_in_groups(description), _connected(mechanism)).data)
     return urdf, mjcf
 
 
@@ -54,11 +58,11 @@ def _description(
         contacts = package.shape_contacts[first : first + len(body.shapes)]
         first += len(body.shapes)
         links.append(described_link(body, meshes.get(body.name, []), contacts, export, f"{body.name}_"))
-    joints = tuple(_joint(joint, mechanism) for joint in mechanism.tree)
+    joints = tuple(described_joint(joint, mechanism) for joint in mechanism.tree)
     return RobotDescription(content.asset_id, "urdf", tuple(links), joints, mechanism.root.name)
 
 
-def _joint(joint: MechanismJoint, mechanism: Mechanism) -> DescribedJoint:
+def described_joint(joint: MechanismJoint, mechanism: Mechanism) -> DescribedJoint:
     """The joint with its zero where the source has it: the child stands there, not at rest."""
     origins = {link.name: link.origin for link in mechanism.links}
     X_PC = pose(None, -origins[joint.parent]) @ joint_motion(joint, -joint.rest) @ pose(None, origins[joint.child])
@@ -80,6 +84,21 @@ def _joint(joint: MechanismJoint, mechanism: Mechanism) -> DescribedJoint:
         spring_reference=joint.spring_rest,
         mimic=None if coupling is None else Mimic(coupling.joint, coupling.multiplier, coupling.offset),
     )
+
+
+def _connected(mechanism: Mechanism) -> tuple[ConnectedPoints, ...]:
+    """The points that closing joints keep together, in the frames of their links."""
+    origins = {link.name: link.origin for link in mechanism.links}
+    pairs: list[ConnectedPoints] = []
+    for joint in mechanism.joints:
+        if not joint.closes_loop or joint.kind == "prismatic":
+            continue
+        ends = (0.0,) if joint.kind == "ball" else (-0.5 * HINGE_POINTS_M, 0.5 * HINGE_POINTS_M)
+        for number, along in enumerate(ends, 1):
+            point = joint.anchor + along * joint.axis
+            places = (point - origins[joint.parent], point - origins[joint.child])
+            pairs.append(ConnectedPoints(f"{joint.name}_{number}", (joint.parent, joint.child), places))
+    return tuple(pairs)
 
 
 def _with_required(description: RobotDescription) -> tuple[DescribedJoint, ...]:

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 
 import formats
+from assetkit.package.write_obj import write_obj
 from formats.urdf.edit import replace_physics
 from geom.pose import pose
-from schemas.arrays import Float32Array, FloatArray, IntArray
+from schemas.arrays import FloatArray
 from schemas.model import Material, Mesh
 from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, RigidBody
@@ -89,7 +90,7 @@ def _inertial(body: RigidBody) -> Inertial:
 
 def _visual(mesh: Mesh, mesh_material: MeshMaterial, export: Path) -> DescribedShape:
     file = f"visual_{mesh.id}.obj"
-    _write_obj(export / "meshes" / file, mesh.points, mesh.triangles, mesh.uvs[0] if mesh.uvs else None)
+    write_obj(export / "meshes" / file, mesh.points, mesh.triangles, mesh.uvs[0] if mesh.uvs else None)
     red, green, blue = _srgb(mesh_material.material).tolist()
     material = DescribedMaterial(mesh_material.prim_name, (red, green, blue, mesh_material.material.opacity))
     reference = MeshReference(f"meshes/{file}")
@@ -102,21 +103,9 @@ def _collision(name: str, shape: CollisionShape, contact: Contact | None, export
         return DescribedShape(name, shape.kind, shape.size_m, shape.X_AS, True, False, friction=friction)
     if shape.points is None or shape.triangles is None:
         raise ValueError("a hull shape needs points and triangles")
-    _write_obj(export / "meshes" / f"{name}.obj", shape.points, shape.triangles)
+    write_obj(export / "meshes" / f"{name}.obj", shape.points, shape.triangles)
     reference = MeshReference(f"meshes/{name}.obj")
     return DescribedShape(name, "mesh", (), shape.X_AS, True, False, mesh=reference, friction=friction)
-
-
-def _write_obj(path: Path, points: FloatArray, triangles: IntArray, uvs: Float32Array | None = None) -> None:
-    """A Wavefront OBJ whose numbers read back exactly: the shortest decimal that gives the same double."""
-    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in np.asarray(points, dtype=np.float64).tolist()]
-    corners = (np.asarray(triangles, dtype=np.int64) + 1).tolist()
-    if uvs is None:
-        lines += [f"f {a} {b} {c}" for a, b, c in corners]
-    else:
-        lines += [f"vt {u!r} {v!r}" for u, v in uvs.reshape(-1, 2).tolist()]
-        lines += [f"f {a}/{3 * i + 1} {b}/{3 * i + 2} {c}/{3 * i + 3}" for i, (a, b, c) in enumerate(corners)]
-    path.write_text("\n".join(lines) + "\n")
 
 
 def _srgb(material: Material) -> FloatArray:

@@ -13,7 +13,7 @@ class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 10
+    version = 11
     result = Physics
     reads = (Canonical, Appearance, Semantics, Interaction)
 

@@ -30,7 +30,7 @@ class DescribeObject(Stage):
     """Category, family, roles and Wikidata class of the object, scale and way up, each with its evidence."""
 
     name = "semantics"
-    version = 6
+    version = 7
     result = Semantics
     reads = (Canonical, Appearance)
 

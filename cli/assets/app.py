@@ -5,23 +5,22 @@ from __future__ import annotations
 import json
 import shlex
 import shutil
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Annotated, cast, get_args
 
 import typer
 from pydantic import ValidationError
 from rich.markup import escape
-from rich.progress import TextColumn
 
 from assetkit.annotate.exchange import worst_seconds
 from assetkit.batch.item_cells import default_jobs
-from assetkit.batch.run_batch import Progress, ingest
+from assetkit.batch.run_batch import ingest
 from assetkit.library import catalog
 from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
 from assetkit.package.record import RECORD
 from cli import text
+from cli.assets.generate import generate_command
+from cli.assets.progress import shown_progress
 from cli.assets.review import review_command
 from cli.assets.search import search_command
 from cli.engines import SIMULATOR
@@ -31,7 +30,6 @@ from jobs.cell import Limits
 from schemas.asset import Role
 from schemas.diagnostics import Severity
 from schemas.outcome import ItemOutcome
-from schemas.report import ReportItem
 
 app = typer.Typer(help="Raw asset files in, accepted simulation packages out.", no_args_is_help=True)
 AsJson = Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")]
@@ -169,25 +167,6 @@ def segmenter_stated(command: str, seconds: float, timeout: float) -> SegmenterC
     return SegmenterCommand(command=whole, seconds=seconds, digest=digest)
 
 
-@contextmanager
-def shown_progress(*, quiet: bool) -> Iterator[Progress]:
-    """A progress bar with a tally of outcomes, which the batch calls as items finish; it appears at the first call."""
-    bar = text.progress(TextColumn("{task.fields[tally]}"), quiet=quiet)
-    task = bar.add_task("ingest", total=None, tally="")
-    tally = dict.fromkeys(ItemOutcome, 0)
-    with ExitStack() as shown:
-
-        def show(done: int, total: int, item: ReportItem | None) -> None:
-            if item is None:
-                shown.enter_context(bar)
-            else:
-                tally[item.outcome] += 1
-            outcomes = " ".join(f"[{text.STYLE[o]}]{n} {o.value}[/]" for o, n in tally.items() if n)
-            bar.update(task, total=total, completed=done, tally=outcomes)
-
-        yield show
-
-
 @app.command("list")
 def list_command(library: Library, as_json: AsJson = False) -> None:
     """List the packages of a library.
@@ -197,6 +176,7 @@ def list_command(library: Library, as_json: AsJson = False) -> None:
     _rows(catalog.listing(library), as_json)
 
 
+app.command("generate")(generate_command)
 app.command("search")(search_command)
 app.command("review")(review_command)
 

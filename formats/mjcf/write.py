@@ -1,11 +1,13 @@
 """Writes a `RobotDescription` as MJCF: radians, quaternions, no classes; numbers read back as the same doubles.
 
-A root that is not the world becomes a body welded to it. Mimics become joint equalities, which MuJoCo keeps softly.
+A root that is not the world becomes a body welded to it. Mimics become joint equalities, and points that close loops
+`connect` equalities between sites; MuJoCo keeps both softly.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,13 +33,23 @@ from schemas.robot_description import (
 _JOINT_TYPES = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "ball": "ball"}
 
 
-def write_mjcf(description: RobotDescription) -> WrittenDescription:
+class ConnectedPoints(NamedTuple):
+    """Two points (3,) that a loop keeps together, each in the frame of its link."""
+
+    name: str
+    links: tuple[str, str]
+    points_m: tuple[FloatArray, FloatArray]
+
+
+def write_mjcf(description: RobotDescription, connected: Sequence[ConnectedPoints] = ()) -> WrittenDescription:
     """The description as an MJCF file. Mesh files are named by their uri, or relative to the root if that is a URL.
+
+    The tree of joints says nothing of loops; `connected` closes them.
 
     Speed limits and PyBullet's contact numbers are losses. Raises InvalidInput `robot/not-expressible` for planar
     joints, floating joints inside a tree, and shapes without a kind.
     """
-    return _Writing(description).written()
+    return _Writing(description).written(connected)
 
 
 class _Writing:
@@ -50,7 +62,7 @@ class _Writing:
         self.materials: dict[str, Element] = {}
         self.textures: dict[str, Element] = {}
 
-    def written(self) -> WrittenDescription:
+    def written(self, connected: Sequence[ConnectedPoints]) -> WrittenDescription:
         world = element("worldbody")
         bodies = {WORLD_LINK: world}
         carriers = joints_of(self.description.joints)
@@ -68,6 +80,11 @@ class _Writing:
         joints_by_name = {joint.name: joint for joint in self.description.joints}
         pairs = [(j, j.mimic) for j in self.description.joints if j.mimic is not None]
         equalities = [_equality(joint, mimic, joints_by_name[mimic.joint]) for joint, mimic in pairs]
+        for pair in connected:
+            names = [f"{pair.name}_{link}" for link in pair.links]
+            for link, name, point in zip(pair.links, names, pair.points_m, strict=True):
+                bodies[link].children.append(element("site", name=name, pos=numbers_text(point)))
+            equalities.append(element("connect", name=pair.name, site1=names[0], site2=names[1]))
         top = element(
             "mujoco",
             element("compiler", angle="radian", autolimits="true"),

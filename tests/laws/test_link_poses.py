@@ -11,7 +11,8 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+import tempfile
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -20,13 +21,15 @@ import mujoco
 import numpy as np
 import pybullet
 import pytest
-from pxr import Usd, UsdGeom, UsdPhysics
+from pxr import Usd, UsdPhysics
 
 from formats import link_poses, read_mjcf, read_urdf
-from geom.pose import inverse, matrix_of, pose, rotation_about, to_wxyz
-from schemas.arrays import FloatArray
+from geom.pose import inverse, matrix_of, pose, to_wxyz
 from schemas.asset import AssetRecord
+from tests.support import mujoco_usd_links
+from tests.support.peers import peer_python
 from tests.support.present import present
+from tests.support.stage_poses import Poses, Positions, moving_joints, stage_poses
 
 MECHANISMS = {
     "faucet": "mjcf/libero_faucet_mjcf/faucet.xml",
@@ -38,10 +41,8 @@ MECHANISMS = {
 }
 STATES = 20
 MOST_M, MOST_DEG = 1e-4, 0.05
-AXES = {"X": np.eye(3)[0], "Y": np.eye(3)[1], "Z": np.eye(3)[2]}
 
-Positions = Mapping[str, float]
-Poses = dict[str, FloatArray]
+ANSWERS: dict[Path, dict] = {}  # of the USD-native loader, by package
 
 
 @dataclass(frozen=True)
@@ -142,69 +143,6 @@ def source_poses(package: Released) -> Callable[[Positions], Poses]:
     return lambda positions: link_poses(description, positions)
 
 
-class UsdJoint(NamedTuple):
-    """A joint as UsdPhysics has it: its frame in either body, and its axis in that frame."""
-
-    name: str
-    parent: str
-    child: str
-    X_PJ: FloatArray
-    X_CJ: FloatArray
-    axis: FloatArray
-    slides: bool
-
-
-def moving_joints(stage: Usd.Stage) -> list[Usd.Prim]:
-    """The hinges and slides of a stage that make up its tree."""
-    joints = [p for p in stage.Traverse() if p.IsA(UsdPhysics.RevoluteJoint) or p.IsA(UsdPhysics.PrismaticJoint)]
-    return [p for p in joints if not UsdPhysics.Joint(p).GetExcludeFromArticulationAttr().Get()]
-
-
-def stage_poses(file: Path, root: str) -> Callable[[Positions], Poses]:
-    """By the frames and axes of UsdPhysics joints alone, as the file has them; bodies by the names of their prims.
-
-    `root` stays where it is; joints may lead to it or away from it. Those without a position close loops.
-    """
-    stage = Usd.Stage.Open(str(file))
-    cache = UsdGeom.XformCache()
-
-    def end(prim: Usd.Prim, side: int) -> tuple[str, FloatArray, FloatArray]:
-        """Name and world transform of a body, and the joint's frame in it; only the position takes its scale."""
-        (target,) = prim.GetRelationship(f"physics:body{side}").GetTargets()
-        X_WB = np.array(cache.GetLocalToWorldTransform(stage.GetPrimAtPath(target))).T
-        quat = prim.GetAttribute(f"physics:localRot{side}").Get()
-        position = np.array(prim.GetAttribute(f"physics:localPos{side}").Get(), dtype=np.float64)
-        scale = np.linalg.norm(X_WB[:3, :3], axis=0)
-        X_BJ = pose(matrix_of(np.array([quat.GetReal(), *quat.GetImaginary()])), position * scale)
-        return target.name, pose(X_WB[:3, :3] / scale, X_WB[:3, 3]), X_BJ
-
-    joints: list[UsdJoint] = []
-    rest: Poses = {}
-    for prim in moving_joints(stage):
-        (parent, X_WP, X_PJ), (child, X_WC, X_CJ) = end(prim, 0), end(prim, 1)
-        rest |= {parent: X_WP, child: X_WC}
-        axis, slides = AXES[prim.GetAttribute("physics:axis").Get()], prim.IsA(UsdPhysics.PrismaticJoint)
-        joints.append(UsdJoint(prim.GetName(), parent, child, X_PJ, X_CJ, axis, slides))
-
-    def poses(state: Positions) -> Poses:
-        X_WL = {root: rest[root]}
-        waiting = [joint for joint in joints if joint.name in state]
-        while waiting:
-            joint = waiting.pop(0)
-            q = state[joint.name]
-            moved = pose(None, q * joint.axis) if joint.slides else pose(rotation_about(joint.axis, q))
-            X_PC = joint.X_PJ @ moved @ inverse(joint.X_CJ)
-            if joint.parent in X_WL:
-                X_WL[joint.child] = X_WL[joint.parent] @ X_PC
-            elif joint.child in X_WL:
-                X_WL[joint.parent] = X_WL[joint.child] @ inverse(X_PC)
-            else:
-                waiting.append(joint)
-        return X_WL
-
-    return poses
-
-
 def main_usd(package: Released) -> Path:
     return next((package.folder / "usd").glob("*.usda"))
 
@@ -268,13 +206,17 @@ def from_mujoco(package: Released) -> Callable[[Positions], Poses]:
 def test_links_stand_where_the_source_has_them(package: Released, judge: Callable) -> None:
     expected, judged = from_source(package), judge(package)
     for state in package.states:
-        right, engine = relative(expected(state), package.root), relative(judged(state), package.root)
+        engine = relative(judged(state), package.root)
         assert set(engine) == set(package.links)
-        for name, X in right.items():
-            error = inverse(X) @ engine[name]
-            turn_deg = np.degrees(np.arccos(np.clip((np.trace(error[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)))
-            assert np.linalg.norm(error[:3, 3]) < MOST_M, (name, state)
-            assert turn_deg < MOST_DEG, (name, state)
+        require_equal_poses(relative(expected(state), package.root), engine, state)
+
+
+def require_equal_poses(expected: Poses, judged: Poses, state: Positions) -> None:
+    for name, X in expected.items():
+        error = inverse(X) @ judged[name]
+        turn_deg = np.degrees(np.arccos(np.clip((np.trace(error[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)))
+        assert np.linalg.norm(error[:3, 3]) < MOST_M, (name, state)
+        assert turn_deg < MOST_DEG, (name, state)
 
 
 def test_outside_validators_and_the_gate_pass_the_package(package: Released) -> None:
@@ -336,6 +278,61 @@ def test_usd_and_pybullet_have_the_joints_limits_and_masses_of_the_record(packag
     for name, joint in joints.items():
         stated = joint.get("limits_rad") or joint.get("limits_m")
         assert limits[name] == (None if stated is None else pytest.approx(stated, abs=1e-5)), name
+
+
+def native_answer(package: Released) -> dict:
+    """What MuJoCo's USD reader holds of the package (`tests.support.mujoco_usd_links`), posed in all states.
+
+    It counts positions from the pose of the stage, wherever that is within the limits, so rest positions are taken off.
+    """
+    if package.folder in ANSWERS:
+        return ANSWERS[package.folder]
+    rest = {joint["name"]: joint.get("rest_rad", joint.get("rest_m", 0.0)) for joint in package.joints}
+    states = [{name: position - rest[name] for name, position in state.items()} for state in package.states]
+    request = json.dumps({"file": str(main_usd(package)), "states": states})
+    command = [str(peer_python("mujoco-usd")), "-P", mujoco_usd_links.__file__]
+    with tempfile.TemporaryDirectory() as place:  # MuJoCo keeps a log in the folder it works in.
+        done = subprocess.run(
+            command, input=request, capture_output=True, text=True, timeout=100, check=False, cwd=place
+        )
+    assert done.returncode == 0, done.stderr[-2000:]
+    ANSWERS[package.folder] = json.loads(done.stdout)
+    return ANSWERS[package.folder]
+
+
+def test_a_usd_native_loader_has_the_joints_axes_limits_and_masses_of_the_record(package: Released) -> None:
+    answer = native_answer(package)
+    assert answer["masses_kg"] == pytest.approx(
+        {link.name: link.mass_kg.value for link in package.record.physics.links}, rel=1e-5
+    )
+    assert answer["joints"].keys() == {joint["name"] for joint in package.joints}
+    for joint in package.joints:
+        read, stated = answer["joints"][joint["name"]], joint.get("limits_rad") or joint.get("limits_m")
+        assert (read["child"], read["slides"]) == (joint["child"], joint["type"] == "prismatic")
+        assert read["axis"] == pytest.approx(present(joint["axis"]), abs=1e-6)
+        assert read["limits"] == (None if stated is None else pytest.approx(stated, abs=1e-5)), joint["name"]
+
+
+def test_links_stand_where_the_source_has_them_in_a_usd_native_loader(package: Released) -> None:
+    expected = from_source(package)
+    for state, poses in zip(package.states, native_answer(package)["poses"], strict=True):
+        read = {name: pose(matrix_of(np.array(numbers[3:])), np.array(numbers[:3])) for name, numbers in poses.items()}
+        require_equal_poses(relative(expected(state), package.root), relative(read, package.root), state)
+
+
+def test_loops_stay_closed_in_mujoco(package: Released) -> None:
+    """A tenth of a second under gravity: the equalities of closing joints hold to a millimetre."""
+    model = mujoco.MjModel.from_xml_path(str(next((package.folder / "export").glob("*.xml"))))
+    closing = [joint for joint in joints_on(package.record) if joint.get("closes_loop")]
+    connects = [i for i in range(model.neq) if model.eq_type[i] == mujoco.mjtEq.mjEQ_CONNECT]
+    assert len(connects) == sum({"prismatic": 0, "ball": 1}.get(joint["type"], 2) for joint in closing)
+    data = mujoco.MjData(model)
+    for joint in package.joints:
+        data.qpos[model.joint(joint["name"]).qposadr[0]] = joint.get("rest_rad", joint.get("rest_m", 0.0))
+    mujoco.mj_step(model, data, nstep=round(0.1 / model.opt.timestep))
+    for i in connects:
+        first, second = data.site_xpos[model.eq_obj1id[i]], data.site_xpos[model.eq_obj2id[i]]
+        assert np.linalg.norm(first - second) < 1e-3
 
 
 def test_joints_that_close_loops_are_outside_the_articulation(package: Released) -> None:

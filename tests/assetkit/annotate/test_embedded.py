@@ -1,5 +1,7 @@
 """The embedded annotator takes categories from names, weakens those that the shape contradicts, else gives none."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -50,6 +52,16 @@ def test_a_faint_name_that_does_not_fit_is_no_contradiction():
 def test_a_part_is_not_the_whole_although_the_folder_names_it():
     assert ANNOTATE(seen(file="handle", folder="mug")).category == UNKNOWN
     assert ANNOTATE(seen(file="microdoor", folder="microwave")).category == UNKNOWN
+
+
+def test_links_of_a_mechanism_that_is_another_thing_are_parts_of_it():
+    pans = seen(ObjectShape((0.16, 0.21, 0.36), 0.5, 0.9), file="balance_scale", nodes="base beam pan_left pan_right")
+    assert ANNOTATE(replace(pans, articulated=True)).hypotheses == ()
+    assert ANNOTATE(pans).hypotheses[0].category == "pan"
+    unit = seen(ObjectShape((0.4, 0.45, 0.5), 0.9, 0.6), file="drawer_unit", nodes="body drawer_1 drawer_2")
+    confirmed = ANNOTATE(replace(unit, articulated=True))
+    assert confirmed.category == "cabinet"
+    assert any("node name 'drawer_1'" in clue for clue in confirmed.hypotheses[0].clues)
 
 
 def test_names_that_disagree_leave_it_open():

@@ -6,8 +6,9 @@ from importlib.metadata import version
 
 import numpy as np
 import pytest
+import shapely
 import trimesh
-from manifold3d import Manifold
+from manifold3d import CrossSection, Manifold
 
 from assetkit.colliders.decompose import DecompositionSettings, decompose
 from geom.convex.hull import contains, thickness, volume
@@ -42,6 +43,53 @@ def body_of(shape: Manifold, scale: float = 1.0, shift: float = 0.0) -> Simplifi
 
 def same(a, b) -> bool:
     return len(a) == len(b) and all(np.array_equal(x.points, y.points) for x, y in zip(a, b, strict=True))
+
+
+SECTORS = DecompositionSettings(method="sectors", sector_planes=8)
+
+
+def ring(section: CrossSection, radius: float) -> Manifold:
+    return Manifold.revolve(section.translate((radius, 0.0)), 96)
+
+
+RINGS = {
+    "washer": ring(CrossSection.square((0.02, 0.01), True), 0.03),
+    "torus": ring(CrossSection.circle(0.012, 24), 0.03),
+}
+TURNS = {"washer": (0.0, 0.0, 0.0), "torus": (0.0, 90.0, 0.0)}
+INNER_M = {"washer": 0.02, "torus": 0.018}
+
+
+@pytest.mark.parametrize("name", RINGS)
+def test_sectors_of_a_ring_leave_its_hole_open_up_to_their_chords(tmp_path, name: str):
+    turn = TURNS[name]
+    body = RINGS[name].rotate(turn)
+    points, triangles = manifold_arrays(body)
+    cavities = find_cavities(Solid(points, triangles.astype(np.int32), "closed"))
+    parts = decompose(body_of(body), SECTORS, tmp_path, cavities)
+    assert (len(parts.shapes), parts.reason) == (16, "")
+    axis = np.array([1.0, 0.0, 0.0]) if turn[1] else np.array([0.0, 0.0, 1.0])
+    outlines = (shapely.MultiPoint(present(s.points) @ np.linalg.svd(axis[None])[2][1:].T) for s in parts.shapes)
+    free_m = min(outline.convex_hull.distance(shapely.Point(0.0, 0.0)) for outline in outlines)
+    assert free_m >= 0.97 * INNER_M[name]
+    assert union_volume(parts.shapes) == pytest.approx(body.volume(), rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        (ring(CrossSection.square((0.03, 0.01), True) + CrossSection.square((0.005, 0.05), True), 0.03), "hulls of"),
+        (ring(CrossSection.square((0.003, 0.02), True), 0.05), "hulls of"),
+        (cup(), "nothing is open"),
+    ],
+    ids=["a section that is not convex", "a wall as thin as a chord is deep", "a vessel"],
+)
+def test_sectors_are_for_rings_of_convex_section(tmp_path, body: Manifold, reason: str):
+    points, triangles = manifold_arrays(body)
+    cavities = find_cavities(Solid(points, triangles.astype(np.int32), "closed"))
+    parts = decompose(body_of(body), SECTORS, tmp_path, cavities)
+    assert parts.shapes == ()
+    assert reason in parts.reason
 
 
 @pytest.mark.parametrize("settings", [CUTS, COACD], ids=["cuts", "coacd"])

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import mujoco
+import numpy as np
 import pytest
 
 from assetkit.package.write_twins import write_twins
@@ -65,6 +67,33 @@ def test_a_closing_joint_is_in_no_twin(tmp_path: Path) -> None:
     on_disk, urdf, mjcf = written(loop, tmp_path)
     assert [joint.name for joint in present(on_disk.mechanism).joints if joint.closes_loop] == ["brace"]
     assert all("brace" not in {j.name for j in d.joints} for d in (read_urdf(urdf), read_mjcf(mjcf)))
+
+
+@pytest.mark.parametrize(("kind", "points"), [("revolute", 2), ("ball", 1), ("prismatic", 0)])
+def test_a_closing_joint_keeps_its_points_together_in_mujoco(kind: str, points: int, tmp_path: Path) -> None:
+    """At rest both sites of each pair lie on the axis of the joint, at one place; other joint positions part them."""
+    content = articulated()
+    mechanism = present(content.mechanism)
+    anchor, axis = np.array([0.02, 0.01, 0.05]), np.array([0.0, 0.6, 0.8])
+    closing = replace(
+        mechanism.joints[2], name="brace", kind=kind, parent="tray", anchor=anchor, axis=axis, closes_loop=True
+    )
+    loop = replace(content, mechanism=replace(mechanism, joints=(*mechanism.joints, closing)))
+    on_disk, _, mjcf = written(loop, tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(mjcf))
+    data = mujoco.MjData(model)
+    for joint in present(on_disk.mechanism).tree:
+        data.qpos[model.joint(joint.name).qposadr[0]] = joint.rest
+    mujoco.mj_forward(model, data)
+    connects = [i for i in range(model.neq) if model.eq_type[i] == mujoco.mjtEq.mjEQ_CONNECT]
+    assert len(connects) == points
+    places = [(data.site_xpos[model.eq_obj1id[i]], data.site_xpos[model.eq_obj2id[i]]) for i in connects]
+    for first, second in places:
+        assert first == pytest.approx(second, abs=1e-6)
+        assert np.cross(first - data.body("case").xpos - anchor, axis) == pytest.approx(np.zeros(3), abs=1e-6)
+    data.qpos[model.joint("hinge").qposadr[0]] += 0.5
+    mujoco.mj_forward(model, data)
+    assert all(np.linalg.norm(first - second) > 1e-3 for first, second in places)
 
 
 def test_the_gate_compares_every_link_with_its_twin(tmp_path: Path) -> None:

@@ -1,0 +1,1 @@
+"""Parametric mechanisms and props: small programs that write source files with exact truth, for the same pipeline."""
