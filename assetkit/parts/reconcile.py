@@ -86,7 +86,7 @@ def reconcile(
     for piece in sorted(pieces, key=lambda p: (-_priority(p), -p.area, int(np.argmax(p.faces)))):
         selected = _non_maximum_suppression(surface, selected, piece)
     selected = _with_body(surface, _merged(surface, selected[:MOST_PARTS]), category)
-    selected = _in_order(surface, selected)
+    selected = _in_order(surface, selected, vocabulary)
     selected.sort(key=lambda p: (-round(p.area / surface.area.sum(), 6), int(np.argmax(p.faces))))
     return Reconciled(tuple(selected), tuple(_parent(surface, selected, p) for p in selected))
 
@@ -178,11 +178,14 @@ def _crosses(surface: FaceGeometry, piece: PartCandidate, other: PartCandidate) 
     return both > (1.0 - CONTAINED_SHARE) * min(piece.area, other.area)
 
 
-def _in_order(surface: FaceGeometry, pieces: list[PartCandidate]) -> list[PartCandidate]:
-    """Pieces without the labels whose order in height is wrong, and without those that clues dispute."""
+def _in_order(surface: FaceGeometry, pieces: list[PartCandidate], vocabulary: Sequence[str]) -> list[PartCandidate]:
+    """Pieces without the labels whose order in height is wrong, and without those that clues dispute.
+
+    A knob is on top of what has a lid; of other things, such as an oven, it may be on any side.
+    """
     ordered = [_disputed(p) for p in pieces]
     height = [_middle(surface, p)[2] for p in pieces]
-    for upper, lower in sorted(_ABOVE):
+    for upper, lower in sorted(_ABOVE if "lid" in vocabulary else _ABOVE - {("knob", "body")}):
         above = [i for i, p in enumerate(pieces) if p.label == upper]
         below = [i for i, p in enumerate(pieces) if p.label == lower]
         if above and below and max(height[i] for i in above) < min(height[i] for i in below):

@@ -32,6 +32,7 @@ _ROUGH_RAD = np.radians(15.0)  # Accuracy of a heading from parts: the mirror pl
 _MIRRORED = 0.03  # ... where the surface is so well its own image (mean distance, of the extent).
 _AXIS_RAD = np.radians(5.0)  # A mirror plane so close to an axis of the source is that axis: sources are built along
 # them, and a turn by a few degrees would only change the box that their users know.
+_BOX_LIKE = 0.9  # length of the mean of unit vectors of four times the headings of walls: 1 for a box, 0 for a cylinder
 _OFF = 0.15  # of the larger half extent: a part nearer to the middle has no side
 _BY_HANDLE, _BY_SPOUT, _BY_BACK, _BY_OPENING, _BY_DOOR = 0.9, 0.9, 0.9, 0.8, 0.8
 _HANDHELD = (
@@ -129,7 +130,7 @@ def _signs(
         signs += _by_part(surface, parts, "back", -1.0, _BY_BACK)
     if category in _CASES:
         for label in ("door", "drawer", "knob"):
-            signs += _by_part(surface, parts, label, 1.0, _BY_DOOR)
+            signs += _by_side(surface, parts, label) or _by_part(surface, parts, label, 1.0, _BY_DOOR)
         level = [c for c in cavities if abs(c.direction[2]) < 0.1 and not c.through]
         if level:
             widest = max(level, key=lambda c: c.volume_m3)
@@ -153,6 +154,26 @@ def _by_part(
     return [(_level(sign * off), confidence, f"{label} on the {'front' if sign > 0.0 else 'back'}")]
 
 
+def _by_side(surface: FaceGeometry, parts: Sequence[LabelledFaces], label: str) -> list[tuple[FloatArray, float, str]]:
+    """One sign from the side of a box-like case that the parts of a label are nearest to; none without such sides.
+
+    A door on one half of a case, or a knob in its corner, is not straight ahead of the middle.
+    """
+    labelled = [(evidence, faces) for evidence, faces in parts if evidence.value == label]
+    heading = _side_heading(surface, 0.0)
+    if not labelled or heading is None:
+        return []
+    faces = np.any([faces for _, faces in labelled], axis=0)
+    place = np.average(surface.middle[faces], axis=0, weights=surface.area[faces])
+    sides = [_on_axis(heading + np.pi / 2.0 * k, _AXIS_RAD) for k in range(4)]
+    gaps = [float((surface.points @ side).max() - place @ side) for side in sides]
+    near, next_near = np.argsort(gaps)[:2]
+    if gaps[next_near] - gaps[near] < _OFF * 0.5 * float(surface.extent[:2].max()):
+        return []
+    confidence = _BY_DOOR * min(evidence.confidence for evidence, _ in labelled)
+    return [(sides[near], confidence, f"{label} on the front")]
+
+
 def _middle(surface: FaceGeometry) -> FloatArray:
     """Area centroid (3,) of the surface: on every axis and plane of symmetry, unlike the middle of the box."""
     return np.average(surface.middle, axis=0, weights=surface.area)
@@ -164,12 +185,30 @@ def _level(direction: FloatArray) -> FloatArray:
 
 
 def _straightened(surface: FaceGeometry, direction: FloatArray) -> FloatArray:
-    """The direction snapped to a mirror plane near it, if there is one, and then to an axis of the frame near that."""
+    """The direction snapped to a wall of a box-like surface or to a mirror plane near it, then to an axis near."""
     heading = float(np.arctan2(direction[1], direction[0]))
+    side = _side_heading(surface, heading)
+    if side is not None and abs(heading - side) < _ROUGH_RAD:
+        return _on_axis(side, _AXIS_RAD)
     mirror = mirror_plane_heading(surface.points, surface.triangles, _middle(surface), heading, 1.4 * _ROUGH_RAD)
     if mirror is None or mirror[1] > _MIRRORED * float(surface.extent.max()):
         return _on_axis(heading, _ROUGH_RAD)
     return _on_axis(mirror[0], _AXIS_RAD)
+
+
+def _side_heading(surface: FaceGeometry, heading: float) -> float | None:
+    """The heading of the side of a box-like surface nearest to a heading; None where its walls have no four headings.
+
+    A door on one half of a case is not straight ahead of its middle, but its case looks where its walls do. Headings
+    count modulo a quarter turn, by the level area that faces them.
+    """
+    level = surface.area * np.linalg.norm(surface.normal[:, :2], axis=1)
+    quarters = np.exp(4j * np.arctan2(surface.normal[:, 1], surface.normal[:, 0]))
+    resultant = complex((level * quarters).sum()) / max(float(level.sum()), 1e-300)
+    if abs(resultant) < _BOX_LIKE:
+        return None
+    walls = float(np.angle(resultant)) / 4.0
+    return walls + np.pi / 2.0 * round((heading - walls) / (np.pi / 2.0))
 
 
 def _on_axis(heading: float, near_rad: float) -> FloatArray:

@@ -47,6 +47,7 @@ def demo(
     from assetkit.library.validate import main_usd_files
     from cli.demo.gap import gap_demo
     from cli.demo.gate import spoil_package
+    from cli.demo.mechanism import mechanism_demo
     from cli.demo.page import write_page
     from cli.demo.replay import replay_demo
     from cli.demo.scene import scene_demo
@@ -66,11 +67,13 @@ def demo(
     spoiled = spoil_package(library / first) if first else ()
     with text.console.status("compiling a scene") if not as_json else nullcontext():
         scene = scene_demo(library, out)
+    with text.console.status("opening drawers") if not as_json else nullcontext():
+        mechanism = mechanism_demo(out)
     with text.console.status("putting objects into a recording") if not as_json else nullcontext():
         replay = replay_demo(library, data / "franka_panda", out)
     with text.console.status("naming a hidden effect") if not as_json else nullcontext():
         gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
-    page = write_page(report, verdicts, spoiled, search_demo(library), scene, replay, gap, out)
+    page = write_page(report, verdicts, spoiled, search_demo(library), scene, mechanism, replay, gap, out)
     if as_json:
         print(report.model_dump_json(indent=1))
     else:

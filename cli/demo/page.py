@@ -10,6 +10,7 @@ from assetkit.package.package import PREVIEWS
 from assetkit.package.record import RECORD
 from cli.demo.gap import GapDemo
 from cli.demo.gate import Spoiled
+from cli.demo.mechanism import MechanismDemo
 from cli.demo.replay import ReplayDemo
 from cli.demo.scene import SceneDemo
 from cli.demo.search import SearchDemo
@@ -32,6 +33,7 @@ def write_page(
     spoiled: tuple[Spoiled, ...],
     searches: tuple[SearchDemo, ...],
     scene: SceneDemo | None,
+    mechanism: MechanismDemo | None,
     replay: ReplayDemo | None,
     gap: GapDemo,
     out: Path,
@@ -52,6 +54,7 @@ def write_page(
         spoiled=spoiled,
         searches=searches,
         scene=scene,
+        mechanism=mechanism,
         replay=replay,
         gap=gap,
         pictures=_pictures(out, gap),

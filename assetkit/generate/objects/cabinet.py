@@ -56,7 +56,7 @@ def build(p: Cabinet) -> GeneratedSet:
         )
         for k in range(p.shelves + 1)
     )
-    hinge = door_hinge("hinge", "door", front, side * y, 0.5 * z, p.opening_rad)
+    hinge = door_hinge("door", "door", front, side * y, 0.5 * z, p.opening_rad)
     gap = TrueClearance(name="gap behind the door", inner="door", outer="body", clearance_m=GAP_M)
     return GeneratedSet((GeneratedObject("cabinet", links, (hinge,), interiors),), (gap,))
 

@@ -50,7 +50,7 @@ def build(p: DrawerUnit) -> GeneratedSet:
     inside = front + p.gap_m - (t - front + p.gap_m + t)
     joints = tuple(
         MechanismJoint(
-            f"slide_{k + 1}",
+            name,
             "prismatic",
             "body",
             name,

@@ -50,7 +50,7 @@ def build(p: HingedBox) -> GeneratedSet:
         ),
     )
     hinge = MechanismJoint(
-        "hinge",
+        "lid",
         "revolute",
         "body",
         "lid",

@@ -47,7 +47,7 @@ def build(p: Microwave) -> GeneratedSet:
         _door(p, front, edge - GAP_M),
         _control(p, x, 0.5 * (edge + y)),
     ]
-    door = door_hinge("door_hinge", "door", front, -y, 0.5 * z, p.opening_rad)
+    door = door_hinge("door", "door", front, -y, 0.5 * z, p.opening_rad)
     volume = float(np.prod(np.array(inside_high) - np.array(inside_low)))
     inside = TrueInterior(
         name="inside", link="body", volume_m3=volume, low_m=inside_low, high_m=inside_high, direction=(1.0, 0.0, 0.0)

@@ -131,7 +131,7 @@ def is_open(solid: Manifold, low: np.ndarray, high: np.ndarray, direction: np.nd
 def test_a_joint_that_goes_too_far_would_be_seen() -> None:
     """The law above finds a drawer that is pushed through the back of its case."""
     (unit,) = GENERATORS["drawer_unit"].run().objects
-    through = solids_at(unit, mechanism_of(unit), {"slide_1": -0.02})
+    through = solids_at(unit, mechanism_of(unit), {"drawer_1": -0.02})
     assert list(overlaps(through)) == [("body", "drawer_1")]
 
 

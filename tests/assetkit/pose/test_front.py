@@ -68,3 +68,22 @@ def test_a_thin_spout_tells_the_headings_apart() -> None:
     shape = trimesh.boolean.union([pot, spout], engine="manifold")
     mesh = Mesh("m", np.asarray(shape.vertices), np.asarray(shape.faces, dtype=np.int32))
     assert heading_symmetry(join_meshes([mesh])) == 1
+
+
+@pytest.mark.parametrize("yaw_rad", [0.0, 0.6])
+def test_a_case_with_its_door_on_one_side_and_its_knob_on_the_other_looks_where_its_walls_do(yaw_rad: float) -> None:
+    """A microwave: neither part is straight ahead of the middle, and both are on the front."""
+    pieces = {"case": ((0.34, 0.48, 0.28), (0.0, 0.0, 0.0)), "door": ((0.02, 0.34, 0.26), (0.18, -0.06, 0.0))}
+    pieces["knob"] = ((0.02, 0.04, 0.04), (0.18, 0.18, 0.0))
+    R = Rotation.from_euler("z", yaw_rad).as_matrix()
+    meshes: dict[str, Mesh] = {}
+    for name, (extents, centre) in pieces.items():
+        made = trimesh.creation.box(extents)
+        points = (np.asarray(made.vertices, dtype=float) + centre) @ R.T
+        meshes[name] = Mesh(name, points, np.asarray(made.faces, dtype=np.int32), source_path=f"/{name}")
+    category = declared("microwave", "test")
+    parts = find_parts(meshes, (), category, cavities=()).parts
+    assert {"door", "knob"} <= {p.value.label.value for p in parts}
+    found = front_of(meshes, category, parts, ())
+    np.testing.assert_allclose(found.direction.value, R @ [1.0, 0.0, 0.0], atol=1e-6)
+    assert found.direction.confidence > 0.5
