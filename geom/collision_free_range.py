@@ -11,7 +11,7 @@ from geom.mechanism_pose import link_motions
 from schemas.arrays import FloatArray, IntArray
 from schemas.mechanism import Mechanism, MechanismJoint
 
-RANGE_STEPS = (
+SEARCHED_STEPS = (
     64  # from rest to the furthest position looked at; a link that passes through a wall crosses it for its length
 )
 RANGE_BISECTIONS = 8  # of the step in which links meet
@@ -31,7 +31,7 @@ def collision_free_range(
     """
     models = {name: _model(*surface) for name, surface in surfaces.items() if len(surface[1])}
     at_rest = link_motions(mechanism, {})
-    moved = link_motions(mechanism, {joint.name: joint.rest + furthest / RANGE_STEPS})
+    moved = link_motions(mechanism, {joint.name: joint.rest + furthest / SEARCHED_STEPS})
     moving = [name for name in models if not np.allclose(moved[name], at_rest[name], atol=1e-12)]
     pairs = [(a, b) for a in moving for b in models if b not in moving]
     if not 0 < len(pairs) <= MOST_LINK_PAIRS:
@@ -46,8 +46,8 @@ def collision_free_range(
     apart = [pair for pair in pairs if pair not in crossing]
 
     def free_until(direction: float) -> float | None:
-        step = direction * furthest / RANGE_STEPS
-        for k in range(1, RANGE_STEPS + 1):
+        step = direction * furthest / SEARCHED_STEPS
+        for k in range(1, SEARCHED_STEPS + 1):
             if not meets(joint.rest + k * step, apart):
                 continue
             free, met = (k - 1) * step, k * step

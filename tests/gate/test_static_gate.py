@@ -25,7 +25,7 @@ from schemas.physics import Solid
 from tests.support import package_samples as samples
 from tests.support.bad_inputs.assets import joined
 from tests.support.gate_packages import cabinet
-from tests.support.mechanism_samples import JOINTS, LINKS, articulated
+from tests.support.mechanism.mechanism_samples import JOINTS, LINKS, articulated
 from tests.support.present import present
 from usdio.stage import open_stage
 from usdio.write.package import write_package

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from geom.mechanism_pose import movable_joints, opened
-from tests.support.mechanism_samples import JOINTS, articulated
+from tests.support.mechanism.mechanism_samples import JOINTS, articulated
 
 
 def test_a_joint_opens_from_the_limit_nearer_to_rest():

@@ -26,10 +26,10 @@ from pxr import Usd, UsdPhysics
 from formats import link_poses, read_mjcf, read_urdf
 from geom.pose import inverse, matrix_of, pose, to_wxyz
 from schemas.asset import AssetRecord
-from tests.support import mujoco_usd_links
+from tests.support.mechanism import mujoco_usd_links
+from tests.support.mechanism.stage_poses import Poses, Positions, moving_joints, stage_poses
 from tests.support.peers import peer_python
 from tests.support.present import present
-from tests.support.stage_poses import Poses, Positions, moving_joints, stage_poses
 
 MECHANISMS = {
     "faucet": "mjcf/libero_faucet_mjcf/faucet.xml",
@@ -73,7 +73,11 @@ def joints_on(record: AssetRecord) -> list[dict]:
     return [joint.value for joint in record.physics.joints]
 
 
-@pytest.fixture(scope="module", params=list(MECHANISMS))
+LONG = ("faucet", "fridge")  # in `make test-long`: the others have all that these have
+PACKAGES = [pytest.param(name, marks=pytest.mark.long if name in LONG else ()) for name in MECHANISMS]
+
+
+@pytest.fixture(scope="module", params=PACKAGES)
 def package(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, shared_assets: Path) -> Released:
     source = shared_assets / MECHANISMS[request.param]
     out = tmp_path_factory.mktemp(request.param)
@@ -281,7 +285,7 @@ def test_usd_and_pybullet_have_the_joints_limits_and_masses_of_the_record(packag
 
 
 def native_answer(package: Released) -> dict:
-    """What MuJoCo's USD reader holds of the package (`tests.support.mujoco_usd_links`), posed in all states.
+    """What MuJoCo's USD reader holds of the package (`tests.support.mechanism.mujoco_usd_links`), posed in all states.
 
     It counts positions from the pose of the stage, wherever that is within the limits, so rest positions are taken off.
     """

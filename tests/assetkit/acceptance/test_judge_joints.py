@@ -24,7 +24,7 @@ from sim.bullet.simulator import BulletSimulator
 from sim.fake import FakeSimulator
 from sim.joint_exercise import ALL_RUNS, Articulation
 from sim.port import Simulator
-from tests.support.drawn_cabinet import HANDLE, HINGE, INSIDE, SLIDE, DrawnCabinet
+from tests.support.mechanism.drawn_cabinet import HANDLE, HINGE, INSIDE, SLIDE, DrawnCabinet
 from usdio.reread.body import RereadPackage, reread_package
 from usdio.write.package import write_package
 

@@ -14,7 +14,7 @@ from assetkit.stage import LinkSurface
 from geom.pose import rotation_about
 from schemas.articulation import JointUse
 from schemas.mechanism import Mechanism, MechanismJoint, MechanismLink
-from tests.support.drawn_mechanisms import DrawnMechanism, box, built, open_case, rod, solid_of, tray
+from tests.support.mechanism.drawn_mechanisms import DrawnMechanism, box, built, open_case, rod, solid_of, tray
 
 
 def uses_of(drawn: DrawnMechanism) -> tuple[JointUse, ...]:

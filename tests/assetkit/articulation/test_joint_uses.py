@@ -15,7 +15,7 @@ from geom.mechanism_pose import joint_motion
 from geom.pose import rotation_about
 from schemas.articulation import JointUse
 from schemas.mechanism import Mechanism, MechanismJoint, MechanismLink
-from tests.support.drawn_mechanisms import (
+from tests.support.mechanism.drawn_mechanisms import (
     DrawnMechanism,
     button,
     drawer,

@@ -17,7 +17,7 @@ from schemas.articulation import JointUse
 from schemas.evidence import Evidence
 from schemas.physics import CollisionShape
 from sim.bullet.simulator import BulletSimulator
-from tests.support.drawn_mechanisms import DrawnMechanism, drawer, hinged_door
+from tests.support.mechanism.drawn_mechanisms import DrawnMechanism, drawer, hinged_door
 
 WIDTH, DEPTH, HEIGHT = 0.5, 0.4, 0.2
 BOARD = 0.03 * WIDTH

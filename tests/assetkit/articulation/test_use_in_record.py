@@ -13,7 +13,7 @@ from assetkit.articulation.roles import roles_of_joints
 from schemas.affordances import WHOLE
 from schemas.evidence import Evidence, default, inferred, measured
 from schemas.parts import UNLABELLED, Part, part_faces
-from tests.support.drawn_mechanisms import DrawnMechanism, button, drawer, hinged_door, knob
+from tests.support.mechanism.drawn_mechanisms import DrawnMechanism, button, drawer, hinged_door, knob
 
 
 def uses_of(drawn: DrawnMechanism):

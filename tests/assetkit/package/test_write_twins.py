@@ -17,7 +17,7 @@ from geom.mechanism_pose import link_frames
 from geom.pose import inverse
 from schemas.package import PackageContent
 from schemas.robot_description import RobotDescription
-from tests.support.mechanism_samples import LINKS, articulated
+from tests.support.mechanism.mechanism_samples import LINKS, articulated
 from tests.support.present import present
 from usdio.reread.body import RereadPackage, reread_package
 from usdio.write.package import write_package

@@ -111,7 +111,7 @@ CASES: Mapping[str, Case] = {
         urdf(AB, joint("j", "a", "b", inside='<axis xyz="0 0 -2"/>')),
         "read",
         "read",
-        None,
+        ("robot/axis-not-unit",),
         lambda d: d.joints[0].axis_C.tolist() == [0.0, 0.0, -1.0],
     ),
     "URDF without an axis": Case(

@@ -8,7 +8,7 @@ import pytest
 from geom.features.cavities import find_cavities
 from geom.features.side_compartments import find_side_compartments
 from schemas.physics import Solid
-from tests.support.drawn_mechanisms import box, open_case, solid_of
+from tests.support.mechanism.drawn_mechanisms import box, open_case, solid_of
 
 
 def compartments(solid: Solid):

@@ -63,16 +63,20 @@ def test_the_engines_part_of_a_constant_push_is_that_of_its_steps(slide: Case):
 
 
 @pytest.mark.parametrize(
-    ("name", "words"),
-    [("RefusingEngine", "no joints of this kind"), ("CrashingEngine", "crashed"), ("EndlessEngine", "after 3 s")],
+    ("name", "words", "seconds"),
+    [
+        ("RefusingEngine", "no joints of this kind", 60.0),
+        ("CrashingEngine", "crashed", 60.0),
+        ("EndlessEngine", "after 3 s", 3.0),
+    ],
 )
 def test_an_engine_that_fails_is_reported_and_ends_nothing(
-    slide: Case, monkeypatch: pytest.MonkeyPatch, name: str, words: str
+    slide: Case, monkeypatch: pytest.MonkeyPatch, name: str, words: str, seconds: float
 ):
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[3]))
     mechanism = slide.problem.declared_mechanism()
     assert mechanism is not None
-    rollouts = rollouts_in_engine(broken(slide, name), mechanism, Limits(seconds=3.0, memory_mb=4096))
+    rollouts = rollouts_in_engine(broken(slide, name), mechanism, Limits(seconds=seconds, memory_mb=4096))
     comparison = compare_engines(rollouts, slide.problem.channels(), slide.problem.channel_units())
     assert comparison.differences == ()
     assert comparison.failure.startswith("0 of ")

@@ -126,7 +126,12 @@ LAWS = {
 }
 
 
-@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+LONG = ("trials shuffled and renamed", "another epoch")  # in `make test-long`
+
+
+@pytest.mark.parametrize(
+    "law", [pytest.param(law, id=name, marks=pytest.mark.long if name in LONG else ()) for name, law in LAWS.items()]
+)
 def test_the_answer_follows_the_scale(law: Law, plain: GapReport, tmp_path: Path) -> None:
     report = answered(law, tmp_path / "m")
     assert report.verdict.status == plain.verdict.status == "effect_found"

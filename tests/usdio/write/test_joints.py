@@ -12,7 +12,7 @@ from pxr import Usd, UsdPhysics
 from assetkit.readers.usd import read_usd
 from assetkit.sources.source_file import SourceFile
 from schemas.mechanism import MechanismJoint
-from tests.support.mechanism_samples import JOINTS, LINKS, articulated
+from tests.support.mechanism.mechanism_samples import JOINTS, LINKS, articulated
 from tests.support.present import present
 from usdio.reread.body import reread_package
 from usdio.write.package import write_package

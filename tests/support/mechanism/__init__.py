@@ -1,0 +1,1 @@
+"""Mechanisms that tests draw or build, and link poses by outside readers."""
