@@ -111,8 +111,9 @@ CASES: Mapping[str, Case] = {
         urdf(AB, joint("j", "a", "b", inside='<axis xyz="0 0 -2"/>')),
         "read",
         "read",
-        ("robot/axis-not-unit",),
+        None,
         lambda d: d.joints[0].axis_C.tolist() == [0.0, 0.0, -1.0],
+        ("robot/axis-not-unit",),
     ),
     "URDF without an axis": Case(
         urdf(AB, joint("j", "a", "b")), "read", "read", None, lambda d: d.joints[0].axis_C.tolist() == [1.0, 0.0, 0.0]
