@@ -196,8 +196,9 @@ class SemanticsSection(_Section):
     """Meaning of an object; unknown values are `default` with confidence 0.
 
     `category` and `family` are of the controlled vocabulary, unless the user stated another category;
-    `interaction_group` is how things of the category move when they are articulated. `hypotheses` are all categories
-    that came into question, best first; `source_texts` what the source calls the object and its parts, as it stands.
+    `interaction_group` is that of most joints, else how things of the category move when they are articulated.
+    `hypotheses` are all categories that came into question, best first; `source_texts` what the source calls the object
+    and its parts, as it stands.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Roles that the joints of an object give it: openable, turnable, pressable."""
+"""What the joints of an object make of it: its roles (openable, turnable, pressable) and its interaction group."""
 
 from __future__ import annotations
 
@@ -19,3 +19,14 @@ def roles_of_joints(uses: Sequence[JointUse]) -> tuple[Evidence[str], ...]:
             clues = tuple(f"{u.joint}: {u.group.value}" for u in known)
             roles.append(inferred(role, "interaction groups of its joints", confidence, inputs=clues))
     return tuple(roles)
+
+
+def group_of_joints(uses: Sequence[JointUse]) -> Evidence[str] | None:
+    """The group that most joints of a known group have, the surest of equally many; None where none is known."""
+    known = [u.group for u in uses if u.group.confidence > 0.0]
+    if not known:
+        return None
+    sure = {value: max(g.confidence for g in known if g.value == value) for value in {g.value for g in known}}
+    group = max(sure, key=lambda value: (sum(g.value == value for g in known), sure[value], value))
+    clues = tuple(f"{u.joint}: {u.group.value}" for u in uses if u.group.confidence > 0.0)
+    return inferred(group, "interaction groups of its joints", sure[group], inputs=clues)

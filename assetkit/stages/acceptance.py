@@ -43,7 +43,7 @@ class AcceptPackage(Stage):
     """Judges the bytes that are shipped, never the values in memory."""
 
     name = "acceptance"
-    version = 8
+    version = 9
     result = Acceptance
     reads = (Canonical, Appearance, Semantics, Interaction, Physics, Previews)
 

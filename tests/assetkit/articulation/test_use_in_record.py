@@ -9,7 +9,7 @@ from assetkit.affordances.joint_regions import joint_regions
 from assetkit.articulation.grip_parts import label_grips
 from assetkit.articulation.interaction_group import tasks
 from assetkit.articulation.joint_uses import ArticulatedObject, joint_uses
-from assetkit.articulation.roles import roles_of_joints
+from assetkit.articulation.roles import group_of_joints, roles_of_joints
 from schemas.affordances import WHOLE
 from schemas.evidence import Evidence, default, inferred, measured
 from schemas.parts import UNLABELLED, Part, part_faces
@@ -98,3 +98,15 @@ def test_a_nameless_bar_becomes_the_handle_of_its_joint() -> None:
     assert joint_regions((use,))[0].value.part == WHOLE
     assert joint_regions((named,))[0].value.part == "part_1"
     assert np.array(named.contact.value.low_m) == pytest.approx(np.array(box.low_m))
+
+
+def test_the_object_is_of_the_group_of_most_of_its_joints() -> None:
+    (slides,), (turns,) = uses_of(DRAWER), uses_of(knob(0.3, 0.08, 1.0, turn=3.0))
+    surest = turns.model_copy(update={"group": inferred("knob", "drawn", 0.99)})
+    unsure = turns.model_copy(update={"group": default("unknown")})
+    for uses, group in (((slides, surest, slides), "drawer"), ((slides, surest), "knob"), ((slides, unsure), "drawer")):
+        given = group_of_joints(uses)
+        assert given is not None
+        assert given.value == group
+        assert given.confidence == max(u.group.confidence for u in uses if u.group.value == group)
+    assert group_of_joints((unsure,)) is None
