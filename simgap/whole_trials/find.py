@@ -41,10 +41,10 @@ from simgap.search_result import (
 )
 from simgap.whole_trials.check import check_whole_trials, confirmed
 from simgap.whole_trials.confidence_set import ConfidenceSet, confidence_set
-from simgap.whole_trials.fit_model import linearise
 from simgap.whole_trials.identifiability import identifiable, twins
 from simgap.whole_trials.judge import JudgedModel, judge
 from simgap.whole_trials.ladder import Ladder, ladder_of, starts_up
+from simgap.whole_trials.linearisation import linearise
 from simgap.whole_trials.policy import POLICY, Policy
 from simgap.whole_trials.score_test import Score, scores
 from simgap.whole_trials.search_models import FittedModel, Growth, ModelSearch, search_models

@@ -11,7 +11,9 @@ import numpy as np
 from scipy import stats
 
 from schemas.arrays import FloatArray
-from simgap.whole_trials.fit_model import ModelFit, Space, solve_safely, vector_of
+from simgap.whole_trials.fit_model import ModelFit
+from simgap.whole_trials.linearisation import solve_safely
+from simgap.whole_trials.parameter_space import Space, vector_of
 
 
 def held_out_losses(fit: ModelFit) -> FloatArray:

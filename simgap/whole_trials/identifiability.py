@@ -24,7 +24,9 @@ from scipy import stats
 from schemas.arrays import BoolArray, FloatArray
 from schemas.gap import EffectTwin, IdentifiableEffect
 from simgap.problem import Candidate, Model, Term, TrialSystem
-from simgap.whole_trials.fit_model import Linearisation, ModelFit, Space, errors_at, inverse_of, linearise, vector_of
+from simgap.whole_trials.fit_model import ModelFit
+from simgap.whole_trials.linearisation import Linearisation, errors_at, inverse_of, linearise
+from simgap.whole_trials.parameter_space import Space, vector_of
 from simgap.whole_trials.policy import Policy
 from simgap.whole_trials.score_test import Score
 

@@ -16,7 +16,7 @@ from schemas.arrays import BoolArray, FloatArray
 from schemas.gap import NamedEffect, OpenQuestion, PlannedRecording, RecordingPlan, Verdict
 from simgap.inference.verdict_text import NAMED
 from simgap.problem import Candidate, Model, Problem, Term, TrialSystem
-from simgap.whole_trials.fit_model import ModelFit, Space, fit_model, linearise, vector_of
+from simgap.whole_trials.fit_model import ModelFit, fit_model
 from simgap.whole_trials.identifiability import (
     Information,
     Probe,
@@ -27,6 +27,8 @@ from simgap.whole_trials.identifiability import (
     total_information,
 )
 from simgap.whole_trials.ladder import ladder_of, starts_on
+from simgap.whole_trials.linearisation import linearise
+from simgap.whole_trials.parameter_space import Space, vector_of
 from simgap.whole_trials.policy import POLICY, Policy
 from simgap.whole_trials.score_test import scores
 from simgap.whole_trials.search_models import extended_model

@@ -15,7 +15,9 @@ import numpy as np
 from schemas.arrays import FloatArray
 from sim.effects.effect import Scan
 from simgap.problem import Candidate, Term, TrialSystem
-from simgap.whole_trials.fit_model import Linearisation, ModelFit, Space, errors_at, solve_safely, vector_of
+from simgap.whole_trials.fit_model import ModelFit
+from simgap.whole_trials.linearisation import Linearisation, errors_at, solve_safely
+from simgap.whole_trials.parameter_space import Space, vector_of
 
 _SMALL_SHARE_OF_RANGE = 0.01  # of a strength's range
 _DIGITS = 6  # of a loss

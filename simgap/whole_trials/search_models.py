@@ -18,9 +18,11 @@ from schemas.gap import Reason
 from simgap.inference.candidate_fit import Map
 from simgap.inference.decision import Decision, criterion, decide
 from simgap.problem import Candidate, Model, Term, TrialSystem
-from simgap.whole_trials.fit_model import ModelFit, Space, fit_at, fit_model, linearise, loss_at, vector_of
+from simgap.whole_trials.fit_model import ModelFit, fit_at, fit_model, loss_at
 from simgap.whole_trials.held_out import held_out_losses, p_of_no_better
 from simgap.whole_trials.ladder import Ladder, climb
+from simgap.whole_trials.linearisation import linearise
+from simgap.whole_trials.parameter_space import Space, vector_of
 from simgap.whole_trials.policy import Policy
 from simgap.whole_trials.score_test import Score, scores
 

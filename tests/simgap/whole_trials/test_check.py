@@ -8,8 +8,9 @@ import pytest
 from simgap.problem import Term
 from simgap.whole_trials.check import check_whole_trials, confirmed
 from simgap.whole_trials.confidence_set import confidence_set
-from simgap.whole_trials.fit_model import fit_model, half_widths, losses
+from simgap.whole_trials.fit_model import fit_model, half_widths
 from simgap.whole_trials.held_out import held_out_losses
+from simgap.whole_trials.losses import losses
 from simgap.whole_trials.policy import POLICY
 from simgap.whole_trials.search_models import ModelSearch
 from tests.simgap.whole_trials.drawn_trials import SHAPES, TRIALS, Drawn, T, candidates, keys, searched

@@ -7,9 +7,10 @@ import pytest
 from scipy import stats
 
 from simgap.problem import Term
-from simgap.whole_trials.fit_model import fit_model, linearise
+from simgap.whole_trials.fit_model import fit_model
 from simgap.whole_trials.identifiability import identifiable, twins
 from simgap.whole_trials.ladder import ladder_of
+from simgap.whole_trials.linearisation import linearise
 from simgap.whole_trials.policy import POLICY
 from simgap.whole_trials.score_test import scores
 from tests.simgap.whole_trials.drawn_trials import ROWS, SHAPES, TRIALS, Drawn, candidates
