@@ -9,11 +9,12 @@ if TYPE_CHECKING:
     from schemas.codes import CODES
     from schemas.diagnostics import Diagnostic, InvalidInput, Severity
     from schemas.evidence import Evidence
-    from schemas.gap import GapReport, ModelExtension
     from schemas.outcome import ItemOutcome
     from schemas.report import IngestReport
     from schemas.scene.program import SceneProgram
     from schemas.scene.runtime_plan import RuntimePlan
+    from schemas.sim_gap.extension import ModelExtension
+    from schemas.sim_gap.report import GapReport
 
 __all__ = [
     "CODES",
@@ -36,11 +37,11 @@ __getattr__, __dir__ = lazy_exports(
         "CODES": "schemas.codes",
         "Diagnostic": "schemas.diagnostics",
         "Evidence": "schemas.evidence",
-        "GapReport": "schemas.gap",
+        "GapReport": "schemas.sim_gap.report",
         "IngestReport": "schemas.report",
         "InvalidInput": "schemas.diagnostics",
         "ItemOutcome": "schemas.outcome",
-        "ModelExtension": "schemas.gap",
+        "ModelExtension": "schemas.sim_gap.extension",
         "RuntimePlan": "schemas.scene.runtime_plan",
         "SceneProgram": "schemas.scene.program",
         "Severity": "schemas.diagnostics",

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
-from schemas.gap import ConventionCheck, RolloutEngine
+from schemas.sim_gap.report import ConventionCheck, RolloutEngine
 from sim.dynamics.body_rollout import BodyRollout
 from sim.dynamics.linkage_rollout import LinkageRollout
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout

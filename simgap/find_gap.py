@@ -8,15 +8,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from schemas.gap import (
-    CandidateDecision,
-    ConventionCheck,
-    GapReport,
-    Hypothesis,
-    Localisation,
-    Reason,
-    Rival,
-)
+from schemas.sim_gap.decisions import CandidateDecision, Reason
+from schemas.sim_gap.report import ConventionCheck, GapReport, Hypothesis, Localisation, Rival
 from simgap.baselines.all_effects import all_effects_losses
 from simgap.baselines.black_box import black_box_losses
 from simgap.inference.agreement import agrees

@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 from schemas.arrays import FloatArray
-from schemas.gap import ConventionCheck, Place, RolloutEngine
+from schemas.sim_gap.extension import Place
+from schemas.sim_gap.report import ConventionCheck, RolloutEngine
 from sim.dynamics.mechanism import MechanismModel
 from sim.effects.effect import Effect
 

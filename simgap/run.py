@@ -16,7 +16,7 @@ from typing import Any, Protocol
 from jobs.cache import content_key, write_atomically
 from jobs.versions import code_hash, library_versions
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity
-from schemas.gap import GapReport
+from schemas.sim_gap.report import GapReport
 from simgap.case import Case, case_of, convention_checks_of, declared_rollout
 from simgap.engine_comparison.compare import EngineRollouts, compare_engines, most_telling, rollouts_in_engine
 from simgap.extension.extension import terms_of

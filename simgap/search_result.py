@@ -9,16 +9,9 @@ from typing import Literal
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import (
-    AppliedEffect,
-    Baseline,
-    CandidateDecision,
-    Estimate,
-    Gain,
-    GapReport,
-    ModelExtension,
-    NamedEffect,
-)
+from schemas.sim_gap.decisions import CandidateDecision
+from schemas.sim_gap.extension import AppliedEffect, Estimate, ModelExtension
+from schemas.sim_gap.report import Baseline, Gain, GapReport, NamedEffect
 from simgap.inference.decision import SearchDecision
 from simgap.inference.losses import Comparison, compare
 from simgap.inference.verdict_text import NAMED

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from cli.engines import REPLAY_ENGINE
 from jobs.cache import write_atomically
 from schemas.arrays import FloatArray
-from schemas.gap import GapReport
+from schemas.sim_gap.report import GapReport
 from simgap.recording.read import read
 from simgap.run import Tick, search
 

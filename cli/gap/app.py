@@ -14,7 +14,7 @@ from cli import text
 from cli.engines import REPLAY_ENGINE
 from jobs.cache import write_atomically
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
-from schemas.gap import GapReport
+from schemas.sim_gap.report import GapReport
 
 if TYPE_CHECKING:
     from sim.effects.effect import Effect

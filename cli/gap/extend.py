@@ -17,7 +17,7 @@ from jobs.cache import write_atomically
 from jobs.lock import exclusive
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
-from schemas.gap import ModelExtension
+from schemas.sim_gap.extension import ModelExtension
 from simgap.extension.exportable import MeasuredBody, Row, joint_physics, package_physics, refuse_impossible
 from simgap.extension.extension import read_extension, terms_of
 from simgap.kinds.free_body.declared_model import build_body

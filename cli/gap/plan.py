@@ -7,7 +7,8 @@ from pathlib import Path
 from cli.engines import REPLAY_ENGINE
 from jobs.cache import write_atomically
 from schemas.diagnostics import InvalidInput, finding
-from schemas.gap import GapReport, RecordingPlan
+from schemas.sim_gap.recording_plan import RecordingPlan
+from schemas.sim_gap.report import GapReport
 from simgap.case import case_of
 from simgap.recording.read import Measurement
 from simgap.report.html import REPORT

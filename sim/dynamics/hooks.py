@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 
 Params = Mapping[str, float]
 

@@ -17,7 +17,7 @@ import numpy as np
 from jobs.cell import CellResult, Limits
 from jobs.warm import run_module
 from schemas.arrays import FloatArray
-from schemas.gap import EngineComparison, EngineDifference, RolloutEngine
+from schemas.sim_gap.report import EngineComparison, EngineDifference, RolloutEngine
 from sim.dynamics.mechanism import MechanismModel, rollout
 from simgap.case import Case, declared_rollout, replay_engine
 from simgap.engine_comparison.worker import EngineRequest, result_file

@@ -11,8 +11,8 @@ from schemas.arrays import FloatArray
 from schemas.asset import Matrix3, PhysicsSection, Vec3, matrix3, vec3
 from schemas.diagnostics import InvalidInput, finding
 from schemas.evidence import Evidence, measured
-from schemas.gap import AppliedEffect, Estimate, ModelExtension
 from schemas.measured_physics import MeasuredJoint, MeasuredPhysics
+from schemas.sim_gap.extension import AppliedEffect, Estimate, ModelExtension
 from sim.effects.effect import PackageField
 from sim.effects.library import effect
 

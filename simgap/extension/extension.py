@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from schemas.diagnostics import InvalidInput, Location, finding
-from schemas.gap import AppliedEffect, ModelExtension
+from schemas.sim_gap.extension import AppliedEffect, ModelExtension
 from sim.effects.library import effect
 from simgap.problem import Candidate, Model, Term
 

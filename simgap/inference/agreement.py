@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from scipy import stats
 
-from schemas.gap import Criterion, Reason
+from schemas.sim_gap.decisions import Criterion, Reason
 from simgap.inference.candidate_fit import CandidateFit
 from simgap.inference.decision import Decision, criterion, decide, either
 from simgap.inference.direct_comparison import DIRECT_ALPHA

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from schemas.gap import Criterion, Reason
+from schemas.sim_gap.decisions import Criterion, Reason
 from simgap.inference.candidate_fit import (
     ALPHA,
     CandidateFit,

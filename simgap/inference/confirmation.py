@@ -12,7 +12,7 @@ from itertools import combinations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Reason
+from schemas.sim_gap.decisions import Reason
 from simgap.inference.candidate_fit import CandidateFit, Screening
 from simgap.inference.competing_hypotheses import RIVAL_ALPHA, inseparable, is_simpler_and_as_good
 from simgap.inference.decision import Decided, Decision, all_of, criterion, decide, place_name

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from schemas.gap import Criterion, Reason, Relation, Step
+from schemas.sim_gap.decisions import Criterion, Reason, Relation, Step
 from simgap.problem import Candidate
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from schemas.gap import Reason
+from schemas.sim_gap.decisions import Reason
 from simgap.inference.candidate_fit import ALPHA, CandidateFit
 from simgap.inference.competing_hypotheses import AHEAD_GAIN
 from simgap.inference.decision import Decision, Test, criterion, decide, place_name

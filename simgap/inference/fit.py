@@ -11,7 +11,7 @@ import numpy as np
 from scipy import stats
 
 from schemas.arrays import FloatArray
-from schemas.gap import Reason
+from schemas.sim_gap.decisions import Reason
 from simgap.inference.decision import Decision, Test, criterion, decide
 from simgap.inference.robust_least_squares import (
     CAUCHY_SCALE,

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 from schemas.arrays import FloatArray
-from schemas.gap import Step
+from schemas.sim_gap.decisions import Step
 from simgap.inference.candidate_fit import Map, Screening, warm_start_without
 from simgap.inference.comparison import (
     compare_with_alternatives,

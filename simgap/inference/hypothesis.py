@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Reason
+from schemas.sim_gap.decisions import Reason
 from simgap.inference.candidate_fit import ALPHA, CandidateFit, Screening, least_gain
 from simgap.inference.competing_hypotheses import adds_to
 from simgap.inference.decision import Decision, Test, all_of, criterion, decide, either

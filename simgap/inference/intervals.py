@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from schemas.gap import Estimate, Reason
+from schemas.sim_gap.decisions import Reason
+from schemas.sim_gap.extension import Estimate
 from simgap.inference.candidate_fit import CandidateFit
 from simgap.inference.decision import Decision, criterion, decide, either
 from simgap.inference.fit import ROUNDING_MARGIN

@@ -13,7 +13,7 @@ import numpy as np
 from scipy import stats
 
 from schemas.arrays import BoolArray, FloatArray
-from schemas.gap import Interval
+from schemas.sim_gap.extension import Interval
 from simgap.inference.robust_least_squares import mean_loss
 
 _DRAWS = 2000

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-from schemas.gap import Reason
+from schemas.sim_gap.decisions import Reason
 from simgap.inference.candidate_fit import (
     CandidateFit,
     Map,

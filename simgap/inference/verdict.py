@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from schemas.gap import AmbiguousGroup, Gain, NamedEffect, Reason, Verdict
+from schemas.sim_gap.decisions import Reason
+from schemas.sim_gap.report import AmbiguousGroup, Gain, NamedEffect, Verdict
 from simgap.inference.agreement import direct_agreement, exceeds_method_bias
 from simgap.inference.candidate_fit import ALPHA, CandidateFit
 from simgap.inference.competing_hypotheses import are_confusable

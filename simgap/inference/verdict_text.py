@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Literal
 
-from schemas.gap import AmbiguousGroup, Gain, Interval, NamedEffect
+from schemas.sim_gap.extension import Interval
+from schemas.sim_gap.report import AmbiguousGroup, Gain, NamedEffect
 from simgap.inference.candidate_fit import CandidateFit
 
 NAMED = 0.8  # the confidence from which a name is sure

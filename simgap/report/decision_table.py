@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from schemas.gap import CandidateDecision, Criterion, Reason
+from schemas.sim_gap.decisions import CandidateDecision, Criterion, Reason
 
 
 @dataclass(frozen=True)

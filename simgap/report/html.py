@@ -8,7 +8,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from schemas.gap import EngineDifference, GapReport
+from schemas.sim_gap.report import EngineDifference, GapReport
 from simgap.inference.verdict_text import share
 from simgap.report.decision_table import decision_rows, outcome_counts
 from simgap.report.pictures.ablation import ablation

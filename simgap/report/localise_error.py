@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from schemas.arrays import BoolArray, FloatArray, IntArray
-from schemas.gap import Localisation
 from schemas.physical_constants import GRAVITY_MPS2
+from schemas.sim_gap.report import Localisation
 from simgap.inference.robust_least_squares import CAUCHY_SCALE
 from simgap.problem import EventProblem, Model, Problem
 from simgap.whole_trials.policy import POLICY

@@ -13,9 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic
-from schemas.gap import ConventionCheck
 from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape
+from schemas.sim_gap.report import ConventionCheck
 from sim.dynamics.body_rollout import BodyModel, BodyMotion, BodyRollout, BodyWindows
 from sim.dynamics.hooks import BodyState, BodyWrench, Params
 from sim.dynamics.mechanism import Drive, Law, MechanismModel, Windows

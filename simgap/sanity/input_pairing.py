@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import ConventionCheck
+from schemas.sim_gap.report import ConventionCheck
 from simgap.inference.losses import paired_p, trial_losses
 from simgap.problem import Model, Problem
 

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Criterion, Reason
+from schemas.sim_gap.decisions import Criterion, Reason
 from simgap.inference.decision import Decision, criterion, decide
 from simgap.problem import Model, TrialSystem
 from simgap.whole_trials.fit_model import ModelFit

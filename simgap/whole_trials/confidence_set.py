@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from schemas.gap import Reason
+from schemas.sim_gap.decisions import Reason
 from simgap.inference.decision import Decision, criterion, decide
 from simgap.problem import Candidate, Term
 from simgap.whole_trials.held_out import p_of_no_better

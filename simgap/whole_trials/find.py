@@ -10,16 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from schemas.gap import (
-    CandidateDecision,
-    ConventionCheck,
-    GapReport,
-    Hypothesis,
-    Localisation,
-    Reason,
-    Rival,
-    Step,
-)
+from schemas.sim_gap.decisions import CandidateDecision, Reason, Step
+from schemas.sim_gap.report import ConventionCheck, GapReport, Hypothesis, Localisation, Rival
 from simgap.baselines.all_effects import all_effects_losses
 from simgap.baselines.black_box import black_box_losses
 from simgap.inference.candidate_fit import Map

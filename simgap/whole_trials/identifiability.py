@@ -22,7 +22,7 @@ import numpy as np
 from scipy import stats
 
 from schemas.arrays import BoolArray, FloatArray
-from schemas.gap import EffectTwin, IdentifiableEffect
+from schemas.sim_gap.report import EffectTwin, IdentifiableEffect
 from simgap.problem import Candidate, Model, Term, TrialSystem
 from simgap.whole_trials.fit_model import ModelFit
 from simgap.whole_trials.linearisation import Linearisation, errors_at, inverse_of, linearise

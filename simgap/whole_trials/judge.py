@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from schemas.gap import AmbiguousGroup, Gain, NamedEffect, Reason, Verdict
+from schemas.sim_gap.decisions import Reason
+from schemas.sim_gap.report import AmbiguousGroup, Gain, NamedEffect, Verdict
 from simgap.inference.agreement import NO_DIRECT_ESTIMATE, agree, with_fixed_shape
 from simgap.inference.decision import Decided, Decision, all_of, criterion, decide, place_name
 from simgap.inference.intervals import Sides, differs_from_none, parameters, symmetric, threshold_excess, wider

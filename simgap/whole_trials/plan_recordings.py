@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.arrays import BoolArray, FloatArray
-from schemas.gap import NamedEffect, OpenQuestion, PlannedRecording, RecordingPlan, Verdict
+from schemas.sim_gap.recording_plan import OpenQuestion, PlannedRecording, RecordingPlan
+from schemas.sim_gap.report import NamedEffect, Verdict
 from simgap.inference.verdict_text import NAMED
 from simgap.problem import Candidate, Model, Problem, Term, TrialSystem
 from simgap.whole_trials.fit_model import ModelFit, fit_model

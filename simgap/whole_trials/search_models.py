@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Reason
+from schemas.sim_gap.decisions import Reason
 from simgap.inference.candidate_fit import Map
 from simgap.inference.decision import Decision, criterion, decide
 from simgap.problem import Candidate, Model, Term, TrialSystem

@@ -18,7 +18,7 @@ from cli.demo.page import _pictures
 from cli.engines import REPLAY_ENGINE
 from cli.main import app
 from schemas.diagnostics import InvalidInput
-from schemas.gap import GapReport
+from schemas.sim_gap.report import GapReport
 from simgap.recording.read import read
 from simgap.report.decision_table import decision_rows
 from simgap.result_store import ResultStore

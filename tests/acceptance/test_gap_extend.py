@@ -20,7 +20,7 @@ from jobs.cache import file_sha256
 from jobs.lock import FolderInUse, exclusive
 from schemas.asset import AssetRecord
 from schemas.diagnostics import InvalidInput, Severity
-from schemas.gap import AppliedEffect, Estimate, ModelExtension, Place
+from schemas.sim_gap.extension import AppliedEffect, Estimate, ModelExtension, Place
 from sim.effects.library import EFFECTS
 from simgap.extension.exportable import MeasuredBody, joint_physics, package_physics
 from simgap.extension.extension import read_extension

@@ -12,7 +12,8 @@ from typer.testing import CliRunner
 
 from cli.main import app
 from schemas.diagnostics import InvalidInput
-from schemas.gap import GapReport, RecordingPlan
+from schemas.sim_gap.recording_plan import RecordingPlan
+from schemas.sim_gap.report import GapReport
 
 RUN = CliRunner()
 DRAG, NOISE_RAD = 0.0006, 0.002

@@ -6,7 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 
-from schemas.gap import Reason
+from schemas.sim_gap.decisions import Reason
 from tests.support.source_tree import ROOT, parsed, python_files
 
 INFERENCE, KINDS = ROOT / "simgap" / "inference", ROOT / "simgap" / "kinds"

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.elementwise import where
 from sim.dynamics.hooks import CommandMap, EffortMap, JointState, Params, Series
 from sim.effects.candidacy import MechanismCandidacy, Nuisance, within

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.elementwise import where
 from sim.dynamics.hooks import CommandMap, EffortMap, JointState, Params, Series
 from sim.effects.candidacy import MechanismCandidacy

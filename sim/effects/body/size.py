@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from geom.convex.scaling import scaled
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import ModelChange, Params
 from sim.effects.candidacy import TossCandidacy

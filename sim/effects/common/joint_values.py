@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.mechanism import MechanismModel
 from sim.dynamics.tree import Link
 

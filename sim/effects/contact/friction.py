@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import ModelChange, Params
 from sim.effects.candidacy import ImpactCandidacy, Nuisance, PushCandidacy, TossCandidacy

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import ModelChange, Params
 from sim.dynamics.mechanism import MechanismModel
 from sim.effects.candidacy import Bounds, MechanismCandidacy

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import Params, SensorMap, Series
 from sim.effects.candidacy import Bounds, MechanismCandidacy, TossCandidacy
 from sim.effects.common.series import with_columns

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import Params, SensorMap, Series
 from sim.effects.candidacy import MechanismCandidacy, TossCandidacy
 from sim.effects.effect import Confusable, Effect, Parameter

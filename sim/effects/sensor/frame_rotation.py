@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import Params, SensorMap, Series
 from sim.effects.candidacy import TossCandidacy
 from sim.effects.common.series import with_columns

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import Params, SensorMap, Series
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.common.series import low_passed, read_at, with_columns

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import Params, SensorMap, Series
 from sim.effects.candidacy import MechanismCandidacy
 from sim.effects.common.series import read_at, with_columns

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.gap import Place
 from schemas.physical_constants import GRAVITY_MPS2
+from schemas.sim_gap.extension import Place
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import ModelChange, Params
 from sim.effects.candidacy import TossCandidacy

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import BodyWrench, ModelChange, Params, SensorMap, Series
 from simgap.problem import Model

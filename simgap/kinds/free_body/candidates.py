@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import Series
 from sim.effects.effect import Effect

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.gap import ConventionCheck
+from schemas.sim_gap.report import ConventionCheck
 from sim.dynamics.body_rollout import BodyModel
 from simgap.inference.cluster_regression import Equations, regress
 from simgap.kinds.impact.model import impulses

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from schemas.arrays import FloatArray, IntArray
-from schemas.gap import ConventionCheck, RolloutEngine
+from schemas.sim_gap.report import ConventionCheck, RolloutEngine
 from sim.dynamics.body_rollout import BodyModel
 from sim.effects.ranges import ImpactRanges
 from simgap.kinds.impact.candidates import candidates_of, nuisances_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import BodyWrench, ModelChange, Params, SensorMap, Series
 from sim.dynamics.linkage_rollout import LinkageModel, link_body, with_link_body
 from sim.dynamics.mechanism import Law

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import Series
 from sim.dynamics.linkage_rollout import LinkageModel, link_body
 from sim.effects.effect import Effect

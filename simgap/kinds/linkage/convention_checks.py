@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import ConventionCheck
+from schemas.sim_gap.report import ConventionCheck
 from sim.dynamics.hooks import Series
 from simgap.kinds.linkage.apply_model import AppliedLinkage
 from simgap.kinds.linkage.toss import LinkageToss

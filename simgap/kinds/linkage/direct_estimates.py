@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from simgap.kinds.free_body.direct_estimates import ESTIMATORS, Estimator, Routes
 from simgap.kinds.free_body.normal_equations import NormalEquations, of_rows, of_values
 from simgap.kinds.free_body.toss import Toss

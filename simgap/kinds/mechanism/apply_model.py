@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import CommandMap, ModelChange, Params, SensorMap, Series
 from sim.dynamics.mechanism import Law, MechanismModel
 from sim.effects.common.joint_values import joint_index

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import MechanismModel
 from sim.dynamics.tree import inverse_dynamics, mass_matrix

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import ConventionCheck, RolloutEngine
+from schemas.sim_gap.report import ConventionCheck, RolloutEngine
 from sim.dynamics.hooks import Series
 from sim.dynamics.mechanism import MechanismModel, rollout
 from simgap.kinds.mechanism.apply_model import apply_terms

@@ -11,7 +11,7 @@ from dataclasses import fields
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import ConventionCheck, RolloutEngine
+from schemas.sim_gap.report import ConventionCheck, RolloutEngine
 from sim.dynamics.body_rollout import BodyModel
 from simgap.kinds.push.candidates import candidates_of, nuisances_of, ranges_of
 from simgap.kinds.push.direct_estimates import estimate

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
 from schemas.diagnostics import Diagnostic, Location, finding
-from schemas.gap import Place
 from schemas.measurement import MeasurementSpec, PairContact
+from schemas.sim_gap.extension import Place
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import ModelChange
 from sim.effects.effect import Effect, Parameter

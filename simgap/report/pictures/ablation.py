@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from render.figure import figure, png, style_axes
-from schemas.gap import Rival
+from schemas.sim_gap.report import Rival
 from simgap.report.pictures.colours import DECLARED, EXTENDED, NOISE
 
 _WORDS = {"declared": "model as declared", "null_refit": "declared numbers refitted", "noise_floor": "noise alone"}

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from render.figure import figure, png, style_axes
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.mechanism import MechanismModel
 from sim.effects.library import effect
 from simgap.kinds.mechanism.equation_error import effort_balance

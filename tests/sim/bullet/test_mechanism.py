@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.bullet import mechanism
 from sim.dynamics.hooks import ModelChange
 from sim.dynamics.mechanism import Drive, Law, MechanismModel, Windows, rollout

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from schemas.diagnostics import InvalidInput
-from schemas.gap import AppliedEffect, Estimate, ModelExtension, Place
+from schemas.sim_gap.extension import AppliedEffect, Estimate, ModelExtension, Place
 from sim.effects.library import EFFECTS
 from simgap.extension.extension import read_extension, terms_of
 

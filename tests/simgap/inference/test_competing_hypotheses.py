@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from schemas.arrays import FloatArray
-from schemas.gap import Gain, Place, Reason
+from schemas.sim_gap.decisions import Reason
+from schemas.sim_gap.extension import Place
+from schemas.sim_gap.report import Gain
 from sim.effects.library import effect
 from simgap.inference.agreement import agree
 from simgap.inference.candidate_fit import CandidateFit, Screening, candidate_fit_on

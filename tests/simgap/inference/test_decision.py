@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from schemas.gap import GapReport, Reason
+from schemas.sim_gap.decisions import Reason
+from schemas.sim_gap.report import GapReport
 from simgap.find_gap import find_effects
 from simgap.inference.decision import Decision, all_of, criterion, decide, either, negation
 from simgap.recording.train_test_split import split_trials

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from schemas.arrays import FloatArray
-from schemas.gap import Gain, Place
 from schemas.measurement import MeasurementSpec
+from schemas.sim_gap.extension import Place
+from schemas.sim_gap.report import Gain
 from sim.effects.library import effect
 from simgap.inference.candidate_fit import CandidateFit, candidate_fit_on, ranked_screening, warm_start_without
 from simgap.inference.comparison import refitted_with_alternatives

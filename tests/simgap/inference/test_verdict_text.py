@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from schemas.gap import AmbiguousGroup, Estimate, Gain, NamedEffect, Place
+from schemas.sim_gap.extension import Estimate, Place
+from schemas.sim_gap.report import AmbiguousGroup, Gain, NamedEffect
 from simgap.inference.verdict_text import share, statement
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from schemas.gap import CandidateDecision, Criterion, Place, Reason, Step
+from schemas.sim_gap.decisions import CandidateDecision, Criterion, Reason, Step
+from schemas.sim_gap.extension import Place
 from simgap.report.decision_table import DecisionRow, decision_rows, outcome_counts
 
 AXIS = Place(joint="axis")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from schemas.gap import Baseline, EngineComparison, EngineDifference, GapReport, RolloutEngine, Verdict
+from schemas.sim_gap.report import Baseline, EngineComparison, EngineDifference, GapReport, RolloutEngine, Verdict
 from simgap.report.html import render_page
 
 HASH = "0123456789abcdef"

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.effects.effect import Confusable
 from simgap.problem import Candidate, DirectEstimate, Model
 from simgap.whole_trials.ladder import ladder_of

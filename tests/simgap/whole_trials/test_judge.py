@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, cast
 
-from schemas.gap import Reason
+from schemas.sim_gap.decisions import Reason
 from simgap.inference.verdict_text import NAMED, STRANGE
 from simgap.problem import Problem
 from simgap.search_result import gain_between

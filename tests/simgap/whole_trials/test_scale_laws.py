@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from cli.engines import REPLAY_ENGINE
-from schemas.gap import GapReport
+from schemas.sim_gap.report import GapReport
 from simgap.case import case_of
 from simgap.find_gap import find_effects
 from simgap.recording.read import read

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from schemas.gap import GapReport, Verdict
+from schemas.sim_gap.report import GapReport, Verdict
 from simgap.find_gap import find_effects
 from simgap.inference.verdict_text import NAMED
 from simgap.recording.train_test_split import split_trials

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections import Counter
 
-from schemas.gap import CandidateDecision, GapReport, Reason
+from schemas.sim_gap.decisions import CandidateDecision, Reason
+from schemas.sim_gap.report import GapReport
 from simgap.inference.verdict_text import NAMED
 
 WHOLE = "mean square error of whole (test|training) trials"

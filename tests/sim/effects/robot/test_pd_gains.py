@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import ModelChange, Series
 from sim.dynamics.mechanism import Drive, MechanismModel, Windows, rollout
 from sim.dynamics.tree import Link

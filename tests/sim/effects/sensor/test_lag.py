@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from sim.dynamics.hooks import SensorMap, Series
 from sim.effects.library import effect
 

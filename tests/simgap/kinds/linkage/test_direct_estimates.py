@@ -10,8 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from schemas.arrays import FloatArray
-from schemas.gap import Place
 from schemas.physics import CollisionShape
+from schemas.sim_gap.extension import Place
 from sim.bullet.linkage import BulletLinkageRollout
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import Series

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from schemas.gap import Place
+from schemas.sim_gap.extension import Place
 from simgap.kinds.mechanism.declared_model import build_mechanism
 from simgap.report.pictures.unexplained import unexplained_figure
 from tests.support.gap.joint_recordings import SLIDING, TURNING, driven_joint
