@@ -163,10 +163,6 @@ class Problem(Protocol):
         """Errors of whole trials with free starts; None where contacts make whole roll-outs diverge."""
         return None
 
-    def imagined_recordings(self, trials: Sequence[str], model: Model) -> tuple[ImaginedRecording, ...]:
-        """Further recordings that could be made of what moves in these trials; none where that is not known."""
-        return ()
-
     def timing_check(self) -> ConventionCheck | None:
         """When inputs act, inferred from motion; None where that is not inferred or leaves no alternative open."""
         return None
@@ -240,6 +236,10 @@ class TrialSystem(Protocol):
     @property
     def plain(self) -> TrialSystem:
         """The same in the steps from which `finer` went: for changes of errors. Itself where it is not finer."""
+        ...
+
+    def imagined(self, model: Model) -> tuple[ImaginedRecording, ...]:
+        """Further recordings that could be made of what moves in these trials, as a model would give them."""
         ...
 
     def with_noise_from(self, model: Model, starts: FloatArray) -> TrialSystem:

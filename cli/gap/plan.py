@@ -21,11 +21,11 @@ def plan(measurement: Measurement, answer: Path) -> RecordingPlan:
     Raises InvalidInput where that folder holds no report, or that of another measurement.
     """
     if not (answer / REPORT).is_file():
-        raise InvalidInput(finding("gap/missing-file", f"{answer.name} holds no {REPORT}: run `mana gap find` first"))
+        raise InvalidInput(finding("gap/missing-report", f"{answer.name} holds no {REPORT}"))
     report = GapReport.model_validate_json((answer / REPORT).read_bytes())
     if report.measurement != measurement.content_hash:
         text = f"the report in {answer.name} is that of another measurement, or the folder has changed since"
-        raise InvalidInput(finding("gap/missing-file", text))
+        raise InvalidInput(finding("gap/missing-report", text))
     case = case_of(measurement, REPLAY_ENGINE)
     recording_plan = plan_recordings(case.problem, case.trials.train, report.verdict, measurement.content_hash)
     write_atomically(answer / "plan.json", recording_plan.model_dump_json(indent=1).encode())

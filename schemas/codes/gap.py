@@ -291,6 +291,12 @@ GAP_CODES: dict[str, CodeInfo] = {
         "An effect at the wrong place is worse than none.",
         "correct `where`, or apply the extension to the model that it was found on",
     ),
+    "gap/missing-report": CodeInfo(
+        "error",
+        "There is no report of this measurement",
+        "A plan starts from what a search left in doubt; the folder holds no report, or that of another recording.",
+        "run `mana gap find` on this measurement, and name the folder of its --out",
+    ),
     "gap/invalid-extension": CodeInfo(
         "error",
         "A file is no model extension",

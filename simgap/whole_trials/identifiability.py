@@ -25,10 +25,10 @@ from schemas.arrays import BoolArray, FloatArray
 from schemas.sim_gap.report import EffectTwin, IdentifiableEffect
 from simgap.problem import Candidate, Model, Term, TrialSystem
 from simgap.whole_trials.fit_model import ModelFit
-from simgap.whole_trials.linearisation import Linearisation, errors_at, inverse_of, linearise
+from simgap.whole_trials.linearisation import Linearisation, inverse_of, linearise
 from simgap.whole_trials.parameter_space import Space, vector_of
 from simgap.whole_trials.policy import Policy
-from simgap.whole_trials.score_test import Score
+from simgap.whole_trials.score_test import ProbedModel, Score
 
 _UNSEEN = 1e-12  # squared noise levels below which a probe changes nothing
 _LEAST_SHARE = 1e-12  # of squared changes: rounding errors of slopes
@@ -41,6 +41,11 @@ class Probe:
     candidate: Candidate
     values: tuple[dict[str, float], ...]
     changes: FloatArray
+
+    @staticmethod
+    def of(probed: ProbedModel, candidate: Candidate, values: tuple[dict[str, float], ...]) -> Probe:
+        """The changes beside a model."""
+        return Probe(candidate, values, np.stack([probed.change(Term(candidate, v)) for v in values], axis=2))
 
 
 @dataclass(frozen=True)
@@ -93,19 +98,10 @@ def total_information(base: Linearisation, probes: Sequence[Probe]) -> FloatArra
     return base.with_parameters(columns).reduced_equations().information.sum(axis=0)
 
 
-def probes_of(system: TrialSystem, fit: ModelFit, scores: Sequence[Score]) -> tuple[Probe, ...]:
-    """The probes that gave each candidate its score beside a fitted model."""
-    plain = errors_at(system.plain, fit.model, fit.starts)
-    measured = np.isfinite(plain)
-
-    def change(term: Term) -> FloatArray:
-        after = errors_at(system.plain, (*fit.model, term), fit.starts)
-        return np.where(measured, after - plain, 0.0)
-
-    return tuple(
-        Probe(s.candidate, s.probed, np.stack([change(Term(s.candidate, values)) for values in s.probed], axis=2))
-        for s in sorted(scores, key=lambda s: s.candidate.key)
-    )
+def probes_of(probed: ProbedModel, scores: Sequence[Score]) -> tuple[Probe, ...]:
+    """The probes that gave each candidate its score beside a model, by the candidates' names."""
+    ordered = sorted(scores, key=lambda score: score.candidate.key)
+    return tuple(Probe.of(probed, score.candidate, score.probed) for score in ordered)
 
 
 def identifiable(
@@ -114,7 +110,7 @@ def identifiable(
     """What the trials show of every candidate beside a fitted model, in the order of their names."""
     if not scores:
         return ()
-    probes = probes_of(system, fit, scores)
+    probes = probes_of(ProbedModel.of(system, fit.model, fit.starts), scores)
     space = Space.of(fit.model)
     inside = space.inside(vector_of(fit.model))
     base = linearise(system, fit.model, fit.starts).only(inside)
@@ -189,7 +185,7 @@ def twins(
     """
     space, inside = Space.of(fit.model), Space.of(fit.model).inside(vector_of(fit.model))
     linear = linearise(system, fit.model, fit.starts)
-    rivals = probes_of(system, fit, scores)
+    rivals = probes_of(ProbedModel.of(system, fit.model, fit.starts), scores)
     enough = enough_to_reject(fit, policy)
     out: dict[str, tuple[Candidate, ...]] = {}
     for term in fit.effects:

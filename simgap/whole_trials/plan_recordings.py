@@ -27,11 +27,11 @@ from simgap.whole_trials.identifiability import (
     removal,
     total_information,
 )
-from simgap.whole_trials.ladder import ladder_of, starts_on
+from simgap.whole_trials.ladder import ladder_of, starts_on, starts_up
 from simgap.whole_trials.linearisation import linearise
 from simgap.whole_trials.parameter_space import Space, vector_of
 from simgap.whole_trials.policy import POLICY, Policy
-from simgap.whole_trials.score_test import scores
+from simgap.whole_trials.score_test import ProbedModel, scores
 from simgap.whole_trials.search_models import extended_model
 
 NOTHING = "Nothing is in doubt that another recording of this kind could settle."
@@ -61,13 +61,12 @@ def plan_recordings(
     model = null.model
     for effect in verdict.effects:
         model = extended_model(model, _term(problem, effect))
-    begun = starts_on(taught, model, policy)
-    fit = fit_model(ladder.whole, model, begun.starts, policy)
+    fit = fit_model(ladder.whole, model, starts_up(ladder.rungs, model, policy).starts, policy)
     now = _Trials.of(ladder.whole, fit, questions, policy)
     enough = enough_to_reject(fit, policy)
     doubts = _doubts(now, questions, fit, enough)
     planned: list[PlannedRecording] = []
-    for recording in problem.imagined_recordings(trials, fit.model):
+    for recording in ladder.whole.plain.imagined(fit.model):
         system = recording.system.finer()
         starts = starts_on(recording.system, fit.model, policy).starts
         after = _Trials.at(system, fit, starts, now)
@@ -121,9 +120,10 @@ class _Trials:
     def of(system: TrialSystem, fit: ModelFit, questions: Sequence[_InDoubt], policy: Policy) -> _Trials:
         """The trials of a fit; each rival is probed where its score is best."""
         linear = linearise(system, fit.model, fit.starts)
+        probed = ProbedModel.of(system, fit.model, fit.starts)
         totals, probes = [], []
         for question in questions:
-            rivals = probes_of(system, fit, scores(system, fit, linear, question.rivals))
+            rivals = probes_of(probed, scores(system, fit, linear, question.rivals))
             asked = (removal(linear, fit.model, question.term), *rivals)
             totals.append(total_information(linear.only(_kept(fit.model, question.term)), asked))
             probes.append(asked)
@@ -132,12 +132,11 @@ class _Trials:
     @staticmethod
     def at(system: TrialSystem, fit: ModelFit, starts: FloatArray, like: _Trials) -> _Trials:
         """Other trials, with the probes of the first."""
-        linear = linearise(system, fit.model, starts)
+        linear, probed = linearise(system, fit.model, starts), ProbedModel.of(system, fit.model, starts)
         totals, probes = [], []
         for own, *rivals in like.probes:
             term = next(t for t in fit.model if t.candidate.key == own.candidate.key)
-            moved = [_again(system, fit.model, starts, rival) for rival in rivals]
-            asked = (removal(linear, fit.model, term), *moved)
+            asked = (removal(linear, fit.model, term), *(Probe.of(probed, r.candidate, r.values) for r in rivals))
             totals.append(total_information(linear.only(_kept(fit.model, term)), asked))
             probes.append(asked)
         return _Trials(tuple(totals), tuple(probes))
@@ -155,15 +154,6 @@ class _Trials:
 def _kept(model: Model, term: Term) -> BoolArray:
     """(p,) the parameters that are free beside a rival in a term's place."""
     return Space.of(model).inside(vector_of(model)) & ~owned_by(model, term)
-
-
-def _again(system: TrialSystem, model: Model, starts: FloatArray, probe: Probe) -> Probe:
-    plain = system.plain.errors(model, starts[None])[0]
-    changes = [
-        np.nan_to_num(system.plain.errors((*model, Term(probe.candidate, v)), starts[None])[0] - plain)
-        for v in probe.values
-    ]
-    return Probe(probe.candidate, probe.values, np.stack(changes, axis=2))
 
 
 def _doubts(now: _Trials, questions: Sequence[_InDoubt], fit: ModelFit, enough: float) -> tuple[OpenQuestion, ...]:

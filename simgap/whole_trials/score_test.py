@@ -14,7 +14,7 @@ import numpy as np
 
 from schemas.arrays import FloatArray
 from sim.effects.effect import Scan
-from simgap.problem import Candidate, Term, TrialSystem
+from simgap.problem import Candidate, Model, Term, TrialSystem
 from simgap.whole_trials.fit_model import ModelFit
 from simgap.whole_trials.linearisation import Linearisation, errors_at, solve_safely
 from simgap.whole_trials.parameter_space import Space, vector_of
@@ -47,31 +47,39 @@ def scores(
     prior = space.prior_precision[inside] * span**2
     pull = space.prior_precision[inside] * span * (vector - space.prior_mean)[inside]
     base = linear.only(inside)
-    probe = _Probe(system.plain, fit, errors_at(system.plain, fit.model, fit.starts))
-    ranked = [_score(probe, base, prior, pull, c) for c in candidates]
+    probed = ProbedModel.of(system, fit.model, fit.starts)
+    ranked = [_score(probed, base, prior, pull, c) for c in candidates]
     return tuple(sorted(ranked, key=lambda s: (-s.reduction, s.candidate.key)))
 
 
 @dataclass(frozen=True)
-class _Probe:
-    """A fitted model on a system, with its errors (t, n)."""
+class ProbedModel:
+    """A model on a system, in its plain steps, with the starts (t, s) and errors (t, n) there."""
 
     system: TrialSystem
-    fit: ModelFit
+    model: Model
+    starts: FloatArray
     errors: FloatArray
+
+    @staticmethod
+    def of(system: TrialSystem, model: Model, starts: FloatArray) -> ProbedModel:
+        """A model of given values and starts."""
+        return ProbedModel(system.plain, model, starts, errors_at(system.plain, model, starts))
 
     def change(self, term: Term) -> FloatArray:
         """(t, n) change of the errors by a further term; zero where nothing was measured."""
-        errors = errors_at(self.system, (*self.fit.model, term), self.fit.starts)
+        errors = errors_at(self.system, (*self.model, term), self.starts)
         return np.where(np.isfinite(errors), errors - self.errors, 0.0)
 
 
-def _score(probe: _Probe, base: Linearisation, prior: FloatArray, pull: FloatArray, candidate: Candidate) -> Score:
+def _score(
+    probed: ProbedModel, base: Linearisation, prior: FloatArray, pull: FloatArray, candidate: Candidate
+) -> Score:
     if candidate.extra_starts:
-        return _threshold_score(probe, base, prior, candidate)
+        return _threshold_score(probed, base, prior, candidate)
     best: Score | None = None
     for group in _probe_groups(candidate):
-        changes = [probe.change(Term(candidate, values)) for values in group]
+        changes = [probed.change(Term(candidate, values)) for values in group]
         equations = base.with_parameters(np.stack(changes, axis=2)).reduced_equations()
         count = len(group)
         total = equations.information.sum(axis=0) + np.diag(np.concatenate([prior, np.zeros(count)]))
@@ -87,13 +95,13 @@ def _score(probe: _Probe, base: Linearisation, prior: FloatArray, pull: FloatArr
     return best
 
 
-def _threshold_score(probe: _Probe, base: Linearisation, prior: FloatArray, candidate: Candidate) -> Score:
+def _threshold_score(probed: ProbedModel, base: Linearisation, prior: FloatArray, candidate: Candidate) -> Score:
     """The best of several thresholds, taken as they are, and then of those halfway to its neighbours."""
     before = base.least_loss(prior)
     plain = base.errors / np.sqrt(base.weight)[:, None]
 
     def reduction(values: dict[str, float]) -> float:
-        return before - base.with_errors(plain + probe.change(Term(candidate, values))).least_loss(prior)
+        return before - base.with_errors(plain + probed.change(Term(candidate, values))).least_loss(prior)
 
     tried = [(_off_null(candidate, start)) for start in candidate.extra_starts]
     # Of thresholds that nothing reaches, all alike, the one nearest to what moves.

@@ -89,9 +89,10 @@ def test_a_plan_needs_the_answer_to_the_same_recording(doubted: tuple[Path, Path
     folder, out = doubted
     missing = RUN.invoke(app, ["gap", "plan", str(folder), str(tmp_path)])
     assert isinstance(missing.exception, InvalidInput)
-    assert "run `mana gap find` first" in str(missing.exception)
+    assert missing.exception.diagnostic.code == "gap/missing-report"
     other = tmp_path / "other"
     record(other, "near", 0.5)
     strange = RUN.invoke(app, ["gap", "plan", str(other), str(out)])
     assert isinstance(strange.exception, InvalidInput)
+    assert strange.exception.diagnostic.code == "gap/missing-report"
     assert "another measurement" in str(strange.exception)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,11 +17,12 @@ from sim.dynamics.mechanism import MechanismModel, rollout
 from sim.dynamics.tree import mass_matrix
 from simgap.kinds.mechanism.apply_model import Applied, apply_terms
 from simgap.kinds.mechanism.logs import Log
-from simgap.kinds.mechanism.whole_trials import MechanismTrials
 from simgap.kinds.mechanism.windows import Cut, windows_of
 from simgap.problem import ImaginedRecording, Model
 
-_INPUTS = ("command", "effort")
+if TYPE_CHECKING:
+    from simgap.kinds.mechanism.whole_trials import MechanismTrials
+
 _LOAD = 0.5  # of a joint's inertia
 _COPIES = 3  # of what was recorded
 _WIDEST = 3.0  # times the positions of the recording: farther out the model knows nothing
@@ -51,17 +53,17 @@ def imagined_recordings(trials: MechanismTrials, model: Model, seed: int = 0) ->
 def _same() -> list[Experiment]:
     return [
         Experiment("repeats", f"record the same trials {_COPIES} more times", copies=_COPIES),
-        Experiment("known_load", "record the same trials with a known inertia added to each joint", mechanism=_loaded),
+        Experiment("known_load", "repeat with a known inertia added to each joint", mechanism=_loaded),
     ]
 
 
 def _driven() -> list[Experiment]:
     return [
-        Experiment("smaller", "record the same trials with half the inputs", lambda s: _scaled(s, 0.5)),
-        Experiment("slower", "record the same trials at half the speed", lambda s: _stretched(s, 2.0)),
-        Experiment("larger", "record the same trials with 1.5 times the inputs", lambda s: _scaled(s, 1.5)),
-        Experiment("faster", "record the same trials at twice the speed", lambda s: _stretched(s, 0.5)),
-        Experiment("mirrored", "record the same trials with mirrored inputs", lambda s: _scaled(s, -1.0)),
+        Experiment("smaller", "repeat with half the inputs", lambda s: _scaled(s, 0.5)),
+        Experiment("slower", "repeat at half the speed", lambda s: _stretched(s, 2.0)),
+        Experiment("larger", "repeat with 1.5 times the inputs", lambda s: _scaled(s, 1.5)),
+        Experiment("faster", "repeat at twice the speed", lambda s: _stretched(s, 0.5)),
+        Experiment("mirrored", "repeat with mirrored inputs", lambda s: _scaled(s, -1.0)),
         *_same(),
     ]
 
@@ -69,7 +71,7 @@ def _driven() -> list[Experiment]:
 def _free() -> list[Experiment]:
     return [
         Experiment("smaller", "let it go from half as far", lambda s: _released(s, 0.5)),
-        Experiment("larger", "let it go from one and a half times as far", lambda s: _released(s, 1.5)),
+        Experiment("larger", "let it go from 1.5 times as far", lambda s: _released(s, 1.5)),
         Experiment("mirrored", "let it go from the other side", lambda s: _released(s, -1.0)),
         *_same(),
     ]
@@ -134,7 +136,7 @@ def _recorded(trials: MechanismTrials, model: Model, experiment: Experiment, see
     missing = np.ones((len(logs), longest, trials.channel_count), dtype=bool)
     for i, log in enumerate(logs):
         missing[i, : len(log.series.t_s)] = False
-    return MechanismTrials(declared, trials.trial_ids, logs, trials.step_s, trials.noise, missing)
+    return replace(trials, declared=declared, logs=logs, missing=missing)
 
 
 def _log(

@@ -15,12 +15,11 @@ from simgap.kinds.mechanism.apply_model import apply_terms
 from simgap.kinds.mechanism.candidates import candidates_of, nuisances_of
 from simgap.kinds.mechanism.choose_timing import with_best_timing
 from simgap.kinds.mechanism.equation_error import estimate
-from simgap.kinds.mechanism.imagined import imagined_recordings
 from simgap.kinds.mechanism.input_timing import InputTiming, stamp_jitter_s
 from simgap.kinds.mechanism.inputs import permuted_inputs
 from simgap.kinds.mechanism.whole_trials import MechanismTrials
 from simgap.kinds.mechanism.windowed_logs import WindowedLogs
-from simgap.problem import Candidate, DirectEstimate, ImaginedRecording, JointMotion, Model, Problem, View
+from simgap.problem import Candidate, DirectEstimate, JointMotion, Model, Problem, View
 from simgap.recording.read import Measurement
 
 MECHANISM_HORIZON_S = 0.2  # jointed things move less per time than tossed ones: 80 ms would measure the encoder
@@ -157,10 +156,6 @@ class MechanismProblem(Problem):
     def whole_trials(self, trials: Sequence[str]) -> MechanismTrials:
         """See `simgap.problem.Problem`."""
         return MechanismTrials.of(self.declared, self.logs.by_trial, trials, self.logs.step_s)
-
-    def imagined_recordings(self, trials: Sequence[str], model: Model) -> tuple[ImaginedRecording, ...]:
-        """See `simgap.problem.Problem`."""
-        return imagined_recordings(self.whole_trials(trials), model)
 
     def timing_check(self) -> ConventionCheck | None:
         """See `simgap.problem.Problem`."""

@@ -16,9 +16,10 @@ from schemas.arrays import BoolArray, FloatArray, IntArray
 from sim.dynamics.hooks import CommandMap, Series
 from sim.dynamics.mechanism import MechanismModel, Windows, rollout, windows_from_starts
 from simgap.kinds.mechanism.apply_model import Applied, apply_terms
+from simgap.kinds.mechanism.imagined import imagined_recordings
 from simgap.kinds.mechanism.logs import Log
 from simgap.kinds.mechanism.windows import Cut, windows_of
-from simgap.problem import Model
+from simgap.problem import ImaginedRecording, Model
 
 _DIVERGED = 1e8  # noise levels
 _MOST_CACHED = 64  # maps of inputs and readings whose windows are kept
@@ -157,6 +158,10 @@ class MechanismTrials:
     @cached_property
     def _plain(self) -> MechanismTrials:
         return replace(self, steps=1.0)
+
+    def imagined(self, model: Model) -> tuple[ImaginedRecording, ...]:
+        """See `TrialSystem`."""
+        return imagined_recordings(self, model)
 
     def with_noise_from(self, model: Model, starts: FloatArray) -> MechanismTrials:
         """See `TrialSystem`: the noise from second differences, which what moves smoothly hardly changes."""

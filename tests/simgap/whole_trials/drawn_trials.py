@@ -9,7 +9,7 @@ import numpy as np
 from schemas.arrays import FloatArray
 from schemas.sim_gap.extension import Place
 from sim.effects.effect import Confusable
-from simgap.problem import Candidate, DirectEstimate, Model
+from simgap.problem import Candidate, DirectEstimate, ImaginedRecording, Model
 from simgap.whole_trials.ladder import ladder_of
 from simgap.whole_trials.policy import POLICY
 from simgap.whole_trials.search_models import ModelSearch, search_models
@@ -58,6 +58,9 @@ class Drawn:
     @property
     def plain(self) -> Drawn:
         return self
+
+    def imagined(self, model: Model) -> tuple[ImaginedRecording, ...]:
+        return ()
 
     def with_noise_from(self, model: Model, starts: FloatArray) -> Drawn:
         return self
