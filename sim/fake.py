@@ -12,8 +12,9 @@ from geom.mesh.rays import Rays
 from geom.pose import quat_of, shortest_rotation
 from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, RigidBody
+from sim.grasp_trial import GraspOutcome, GraspTask, Landing, Phase
 from sim.joint_exercise import Articulation, ArticulationExercise, JointExercise, JointRun, JointTask, reach_of
-from sim.port import DropResult, DropSettings, GraspOutcome, GraspTask, ProbeResult, World
+from sim.port import DropResult, DropSettings, ProbeResult, World
 
 _NUDGE_RAD = 1e-4
 
@@ -64,10 +65,13 @@ class FakeSimulator:
         """See `sim.port.Simulator`."""
         return tuple(self.drop(body, X_WA, settings) for X_WA in poses_WA)
 
-    def grasp_and_lift(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
+    def grasp(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
         """See `sim.port.Simulator`: friction of both pads against the weight, no torques; what is held is let go."""
-        held = 2.0 * task.friction * task.force_n >= body.mass.mass_kg * -World().gravity_mps2[2]
-        return GraspOutcome(held=held, released=held, slip_m=0.0 if held else math.inf)
+        if 2.0 * task.friction * task.force_n < body.mass.mass_kg * -World().gravity_mps2[2]:
+            return GraspOutcome(Phase.LIFT, math.inf, released=False)
+        lands = Phase.STAY in {phase for phase, _ in task.motion.phases}
+        landing = Landing(0.0, 0.0, 0.0, 0.0, is_supported=True) if lands else None
+        return GraspOutcome(None, 0.0, released=True, landing=landing)
 
     def exercise_joints(self, articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:
         """See `sim.port.Simulator`: every joint moves exactly over its range, nothing is in its way or inside it."""

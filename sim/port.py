@@ -12,10 +12,10 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from geom.grasp.gripper import Gripper
 from schemas.arrays import FloatArray
 from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
+from sim.grasp_trial import GraspOutcome, GraspTask
 from sim.joint_exercise import Articulation, ArticulationExercise, JointTask
 
 ROLLING_RESISTANCE = 0.003  # of the size, see `world_for`
@@ -123,32 +123,6 @@ class PlacedBody:
     moves: bool
 
 
-@dataclass(frozen=True)
-class GraspTask:
-    """A gripper whose pads are to close on a body: its pose X_AG (4, 4) in the frame of the body
-    (`geom.grasp.gripper`), the opening between the pads before, the force of each pad, and the friction between pads
-    and body.
-    """
-
-    X_AG: FloatArray
-    opening_m: float
-    force_n: float
-    friction: float
-    gripper: Gripper = field(default_factory=Gripper)
-
-
-@dataclass(frozen=True)
-class GraspOutcome:
-    """Result of a grasp: `held` through lift, rest and shaking, and `released` when the pads opened.
-
-    `slip_m` is how far the mass centre moved in the gripper from when the pads had closed; infinite when it fell.
-    """
-
-    held: bool
-    released: bool
-    slip_m: float
-
-
 class Simulator(Protocol):
     """Drops rigid bodies. Equal calls give equal results, whatever was simulated before."""
 
@@ -176,10 +150,8 @@ class Simulator(Protocol):
         """
         ...
 
-    def grasp_and_lift(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
-        """Close on `body`, at rest on the ground in pose `X_WA`, lift it by 0.3 m, hold it for a second, shake it
-        for 1.5 s (2 Hz, a circle of 1 cm), and let go: `grasp_and_lift` of NVIDIA's SimReady runtime benchmark.
-        """
+    def grasp(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
+        """A gripper takes `body`, at rest on the ground in pose `X_WA`, and does what the motion of the task says."""
         ...
 
     def exercise_joints(self, articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:

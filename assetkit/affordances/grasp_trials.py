@@ -16,7 +16,8 @@ from schemas.arrays import FloatArray
 from schemas.asset import StablePose
 from schemas.evidence import Evidence, inferred, measured
 from schemas.physics import RigidBody
-from sim.port import SMALLEST_M, GraspTask, Simulator
+from sim.grasp_trial import GraspTask
+from sim.port import SMALLEST_M, Simulator
 
 TRIED, ENOUGH = 3, 2
 HELD, UNTRIED = 0.95, 0.7  # Confidence. Untried: below the share of tried grasps that held, the best of their objects.
@@ -58,7 +59,7 @@ def _with_trial(grasp: Grasp, body: RigidBody, poses: Sequence[StablePose], simu
         force_n=grasp.force_n,
         friction=pad_friction(body.contact),
     )
-    outcome = simulator.grasp_and_lift(body, _trial_pose(grasp, body, poses), task)
+    outcome = simulator.grasp(body, _trial_pose(grasp, body, poses), task)
     if not outcome.held or not outcome.released:
         why = "not held" if not outcome.held else "not let go"
         refuted = grasp.model_copy(update={"trial": "not_held"})

@@ -1,4 +1,4 @@
-"""A parallel-jaw gripper as three boxes (metres), for collision tests with an object and the ground.
+"""Parallel-jaw grippers of three sizes, each as three boxes (metres): for collision tests and for trials.
 
 Frame G: origin between the pads, +z along the approach, x the closing axis.
 """
@@ -20,8 +20,10 @@ class Gripper:
     pad_m     width (y) and height (z) of a pad, which is as wide as its finger; the fingers end with the pads.
     palm_to_pad_m  from the hand to the middle of the pads; hand_m the box of hand and wrist (x, y, z).
     spare_m   clearance of each pad before it closes, where the opening allows; at least `least_m`.
+    speed_mps of each finger.
     """
 
+    name: str = "medium"
     opening_m: float = 0.08
     pad_m: tuple[float, float] = (0.02, 0.02)
     finger_m: float = 0.012
@@ -30,6 +32,7 @@ class Gripper:
     spare_m: float = 0.005
     least_m: float = 0.002
     force_n: float = 70.0
+    speed_mps: float = 0.05
 
     def widest_m(self) -> float:
         """The largest width that it can grasp, in metres."""
@@ -38,6 +41,30 @@ class Gripper:
     def open_for(self, width_m: FloatArray) -> FloatArray:
         """Openings (k,) in metres before the pads close on widths (k,)."""
         return np.minimum(width_m + 2.0 * self.spare_m, self.opening_m)
+
+
+# By opening. Strokes, forces and speeds are about those of Robotiq's Hand-E and 2F-140 beside the Franka Hand.
+SMALL = Gripper(
+    "small",
+    opening_m=0.05,
+    pad_m=(0.02, 0.016),
+    finger_m=0.01,
+    palm_to_pad_m=0.035,
+    hand_m=(0.12, 0.06, 0.1),
+    force_n=60.0,
+)
+MEDIUM = Gripper()
+LARGE = Gripper(
+    "large",
+    opening_m=0.14,
+    pad_m=(0.025, 0.03),
+    finger_m=0.014,
+    palm_to_pad_m=0.07,
+    hand_m=(0.26, 0.08, 0.12),
+    force_n=125.0,
+    speed_mps=0.1,
+)
+GRIPPERS = (SMALL, MEDIUM, LARGE)
 
 
 def boxes(gripper: Gripper, opening_m: FloatArray) -> tuple[FloatArray, FloatArray]:

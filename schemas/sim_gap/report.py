@@ -180,5 +180,5 @@ class GapReport(Machine):
     baselines: tuple[Rival, ...] = ()
     ladder: tuple[Rival, ...] = ()  # declared, null refit, each effect added, noise: held-out rms
     decisions: tuple[CandidateDecision, ...] = ()  # in the order in which they were made
-    reason_counts: dict[Reason, int] = {}  # decisions by reason
+    reason_counts: dict[Reason, int] = Field(default_factory=dict[Reason, int])  # decisions by reason
     extension: str = "extension.json"

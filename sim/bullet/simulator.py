@@ -31,17 +31,16 @@ from geom.convex.support_function import bounds, diagonal, heights
 from geom.mass.principal_axes import principal_axes
 from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, RigidBody
-from sim.bullet.grasp import grasp_and_lift
+from sim.bullet.grasp import grasp
 from sim.bullet.joint_exercise import exercise_joints
 from sim.bullet.probes import drop_probes
 from sim.bullet.shapes import PARKED_M
 from sim.bullet.world import dynamic_body, scaled
+from sim.grasp_trial import GraspOutcome, GraspTask
 from sim.joint_exercise import Articulation, ArticulationExercise, JointTask
 from sim.port import (
     DropResult,
     DropSettings,
-    GraspOutcome,
-    GraspTask,
     ProbeResult,
     Stillness,
     World,
@@ -127,9 +126,9 @@ class BulletSimulator:
         """See `sim.port.Simulator`."""
         return drop_probes(fixed, probes, duration_s)
 
-    def grasp_and_lift(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
+    def grasp(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
         """See `sim.port.Simulator`."""
-        return grasp_and_lift(body, X_WA, task)
+        return grasp(body, X_WA, task)
 
     def exercise_joints(self, articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:
         """See `sim.port.Simulator`."""

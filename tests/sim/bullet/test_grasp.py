@@ -12,7 +12,7 @@ from geom.pose import pose_from_quat
 from schemas.affordances import Grasp
 from schemas.physics import RigidBody
 from sim.bullet.simulator import BulletSimulator
-from sim.port import GraspOutcome, GraspTask
+from sim.grasp_trial import GraspOutcome, GraspTask
 from tests.assetkit.affordances.test_grasps import THINGS
 
 
@@ -24,7 +24,7 @@ def lift(body: RigidBody, grasp: Grasp, *, friction: float | None = None, force:
         pad_friction(body.contact) if friction is None else friction,
     )
     with BulletSimulator() as simulator:
-        return simulator.grasp_and_lift(body, np.eye(4), task)
+        return simulator.grasp(body, np.eye(4), task)
 
 
 @pytest.mark.parametrize("name", THINGS)

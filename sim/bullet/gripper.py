@@ -1,0 +1,107 @@
+"""The gripper of `sim.gripper_description` in PyBullet: loaded from its URDF, its mount driven, its fingers coupled."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pybullet
+
+from formats.urdf.write import write_urdf
+from geom import pose
+from schemas.arrays import FloatArray
+from sim.grasp_trial import GraspTask
+from sim.gripper_description import HAND, LEFT, MOUNT, RIGHT, describe_gripper
+
+_GEAR_FORCE_N = 1e4  # of the coupling, which must not give way
+_GROUP, _OTHERS = 2, 1
+
+
+class BulletGripper:
+    """A gripper with its grip centre at X_WG (4, 4), lengths of the model, `scale` times as large as its true size."""
+
+    def __init__(self, client: int, task: GraspTask, X_WG: FloatArray, scale: float) -> None:
+        self._client = client
+        description = describe_gripper(task.gripper, task.opening_m, X_WG[:3, :3], scale)
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "gripper.urdf"
+            file.write_bytes(write_urdf(description).data)
+            self.handle = pybullet.loadURDF(
+                str(file),
+                basePosition=X_WG[:3, 3].tolist(),
+                useFixedBase=1,
+                flags=pybullet.URDF_USE_INERTIA_FROM_FILE,
+                physicsClientId=client,
+            )
+        joints = range(pybullet.getNumJoints(self.handle, physicsClientId=client))
+        infos = [pybullet.getJointInfo(self.handle, j, physicsClientId=client) for j in joints]
+        by_name = {info[1].decode(): info[0] for info in infos} | {info[12].decode(): info[0] for info in infos}
+        self.left, self.right, self.hand = (by_name[name] for name in (LEFT, RIGHT, HAND))
+        self._mount = [by_name[name] for name in MOUNT]
+        self._count = len(infos)
+        gear = pybullet.createConstraint(
+            self.handle, self.left, self.handle, self.right, pybullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0],
+            physicsClientId=client,
+        )  # fmt: skip
+        pybullet.changeConstraint(
+            gear, gearRatio=-1, erp=0.5, maxForce=_GEAR_FORCE_N * scale**3, physicsClientId=client
+        )
+        # The pads have friction 1, as the engine multiplies both sides: the body has that of the pair.
+        for link in range(self._count):
+            pybullet.changeDynamics(
+                self.handle, link, lateralFriction=1.0, linearDamping=0.0, angularDamping=0.0, jointDamping=0.0,
+                physicsClientId=client,
+            )  # fmt: skip
+            pybullet.setCollisionFilterGroupMask(self.handle, link, _GROUP, _OTHERS, physicsClientId=client)
+
+    def place(self, mount: FloatArray) -> None:
+        """Put the mount (4,) there at once, at rest."""
+        for joint, position in zip(self._mount, mount.tolist(), strict=True):
+            pybullet.resetJointState(self.handle, joint, position, 0.0, physicsClientId=self._client)
+
+    def drive(self, mount: FloatArray, rate: FloatArray, force_n: float) -> None:
+        """Motors of the mount towards positions (4,) at rates (4,)."""
+        pybullet.setJointMotorControlArray(
+            self.handle,
+            self._mount,
+            pybullet.POSITION_CONTROL,
+            targetPositions=mount.tolist(),
+            targetVelocities=rate.tolist(),
+            forces=[force_n] * 4,
+            positionGains=[0.3] * 4,
+            velocityGains=[1.0] * 4,
+            physicsClientId=self._client,
+        )
+
+    def move_fingers(self, speed: float, force_n: float) -> None:
+        """Motors of both fingers at a speed, positive to close, with at most that force each."""
+        for finger in (self.left, self.right):
+            pybullet.setJointMotorControl2(
+                self.handle,
+                finger,
+                pybullet.VELOCITY_CONTROL,
+                targetVelocity=speed,
+                force=force_n,
+                physicsClientId=self._client,
+            )
+
+    def hand_pose(self) -> FloatArray:
+        """X_WH (4, 4) of the middle of the hand, axes of the gripper, lengths of the model."""
+        return self._link_pose(self.hand)
+
+    def boxes(self) -> FloatArray:
+        """X_WB (3, 4, 4) of left finger, right finger and hand, lengths of the model."""
+        return np.stack([self._link_pose(link) for link in (self.left, self.right, self.hand)])
+
+    def _link_pose(self, link: int) -> FloatArray:
+        state = pybullet.getLinkState(self.handle, link, physicsClientId=self._client)
+        return pose.pose_from_quat(pose.to_wxyz(np.asarray(state[1])), state[0])
+
+    def touches(self, body: int, *links: int) -> bool:
+        """Whether each of the links touches the body; without links, whether any of the gripper does."""
+        if not links:
+            return bool(pybullet.getContactPoints(self.handle, body, physicsClientId=self._client))
+        return all(
+            pybullet.getContactPoints(self.handle, body, link, -1, physicsClientId=self._client) for link in links
+        )
