@@ -18,6 +18,7 @@ RegionKind = Literal["rim", "handle", "spout", "hang_hole", "lid", "knob", "butt
 Task = Literal["pour", "carry", "hang", "open", "turn", "press"]
 Interaction = Literal["tilt", "wrap", "hook", "lift_off", "twist", "push", "pull"]
 Trial = Literal["held", "not_held", "untried"]
+GripperSize = Literal["small", "medium", "large"]
 WHOLE = "object"  # The part that an affordance belongs to when no named part carries it.
 
 
@@ -43,6 +44,7 @@ class Grasp(_Model):
     touch first, along -x and +x of G; `width_m` their distance and `opening_m` the distance of the pads before.
     `angle_rad` is the larger angle between the closing axis and a surface normal, `cone_rad` the half angle of the
     friction cone; `force_n` what each pad presses with; `quality` is 0 to 1.
+    `gripper` is the size of the gripper that it is for (`geom.grasp.gripper`).
     `poses` are the stable poses (indices) in which neither fingers nor hand touch the ground.
     """
 
@@ -62,6 +64,7 @@ class Grasp(_Model):
     quality: float
     poses: tuple[int, ...]
     trial: Trial = "untried"
+    gripper: GripperSize = Field(default="medium", exclude_if=lambda size: size == "medium")
     slip_m: float | None = Field(
         default=None, description="how far the mass centre moved in the fingers, if it was held"
     )

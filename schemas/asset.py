@@ -318,13 +318,57 @@ class Check(_Section):
     passed: bool
 
 
+class Margin(_Section):
+    """The range of a quantity over which a suite passes, within the bounds that it is believed to have.
+
+    `friction` is that of the object's own surface, `mass_kg` in kilograms; the other quantity has its value on record.
+    """
+
+    quantity: Literal["friction", "mass_kg"]
+    low: float
+    high: float
+    bounds: tuple[float, float]
+
+    @property
+    def statement(self) -> str:
+        """In words what limits it; "" where it passes within all of its bounds."""
+        limits = [f">= {self.low:.3g}"] if self.low > self.bounds[0] else []
+        limits += [f"<= {self.high:.3g}"] if self.high < self.bounds[1] else []
+        return f"holds for {self.quantity} {' and '.join(limits)}" if limits else ""
+
+
+class Corner(_Section):
+    """Whether a suite passes with friction and mass at an end of their bounds each."""
+
+    friction: float
+    mass_kg: float
+    passed: bool
+
+
+class SuiteSection(_Section):
+    """What one suite of acceptance found; `reason` says why it was not run.
+
+    `repeats` are its figures at other steps of the engine, `corners` and `margins` those at other values of friction
+    and mass; they decide nothing, but how far these values may be randomised.
+    """
+
+    name: str
+    outcome: Literal["passed", "failed", "not_run"]
+    reason: str = ""
+    checks: tuple[Check, ...] = ()
+    repeats: tuple[Check, ...] = ()
+    corners: tuple[Corner, ...] = ()
+    margins: tuple[Margin, ...] = ()
+
+
 class AcceptanceSection(_Section):
-    """What the simulator found on the package as re-read from disk."""
+    """What the simulator found on the package as re-read from disk: of the object as a whole, and suite by suite."""
 
     simulator: str
     checks: tuple[Check, ...]
     stable_poses: tuple[Evidence[StablePose], ...]
     validators: tuple[Check, ...] = ()
+    suites: tuple[SuiteSection, ...] = ()
 
 
 class RepeatReason(StrEnum):

@@ -172,7 +172,7 @@ class GraspOutcome:
     slip_m      how far the mass centre moved in the gripper while it was held; infinite when it fell.
     released    whether the body stayed behind when the pads opened.
     landing     how the body lies in the end; None where it was lost, or the motion does not set it down.
-    trace       poses over time, where they were asked for.
+    trace       poses over time, if the task has an interval for them.
     """
 
     lost: Phase | None

@@ -151,7 +151,7 @@ class Simulator(Protocol):
         ...
 
     def grasp(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
-        """A gripper takes `body`, at rest on the ground in pose `X_WA`, and does what the motion of the task says."""
+        """A gripper takes `body`, at rest on the ground in pose `X_WA`, through the motion of the task."""
         ...
 
     def exercise_joints(self, articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:

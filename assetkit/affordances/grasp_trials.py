@@ -59,7 +59,7 @@ def _with_trial(grasp: Grasp, body: RigidBody, poses: Sequence[StablePose], simu
         force_n=grasp.force_n,
         friction=pad_friction(body.contact),
     )
-    outcome = simulator.grasp(body, _trial_pose(grasp, body, poses), task)
+    outcome = simulator.grasp(body, trial_pose(grasp, body, poses), task)
     if not outcome.held or not outcome.released:
         why = "not held" if not outcome.held else "not let go"
         refuted = grasp.model_copy(update={"trial": "not_held"})
@@ -68,7 +68,7 @@ def _with_trial(grasp: Grasp, body: RigidBody, poses: Sequence[StablePose], simu
     return measured(held, f"{GEOMETRY}; lifted, held, shaken and let go in {simulator.name}", confidence=HELD)
 
 
-def _trial_pose(grasp: Grasp, body: RigidBody, poses: Sequence[StablePose]) -> FloatArray:
+def trial_pose(grasp: Grasp, body: RigidBody, poses: Sequence[StablePose]) -> FloatArray:
     """X_WA (4, 4) of the most probable stable pose in which the grasp is free; the reference pose without any."""
     if not poses:
         return resting_pose(body, np.array([0.0, 0.0, -1.0]), gap_m=0.0)

@@ -198,4 +198,5 @@ def _grasp(
         force_n=round(force_n, DIGITS),
         quality=round(float(worth), DIGITS),
         poses=tuple(int(i) for i in np.flatnonzero(over)),
+        gripper=gripper.name,
     )

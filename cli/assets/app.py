@@ -19,6 +19,7 @@ from assetkit.library import catalog
 from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
 from assetkit.package.record import RECORD
 from cli import text
+from cli.assets.accept import accept_command
 from cli.assets.generate import generate_command
 from cli.assets.progress import shown_progress
 from cli.assets.review import review_command
@@ -176,6 +177,7 @@ def list_command(library: Library, as_json: AsJson = False) -> None:
     _rows(catalog.listing(library), as_json)
 
 
+app.command("accept")(accept_command)
 app.command("generate")(generate_command)
 app.command("search")(search_command)
 app.command("review")(review_command)

@@ -5,11 +5,13 @@ Frame G: origin between the pads, +z along the approach, x the closing axis.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from geom.pose import pose
+from schemas.affordances import GripperSize
 from schemas.arrays import FloatArray
 
 
@@ -23,7 +25,7 @@ class Gripper:
     speed_mps of each finger.
     """
 
-    name: str = "medium"
+    name: GripperSize = "medium"
     opening_m: float = 0.08
     pad_m: tuple[float, float] = (0.02, 0.02)
     finger_m: float = 0.012
@@ -64,7 +66,7 @@ LARGE = Gripper(
     force_n=125.0,
     speed_mps=0.1,
 )
-GRIPPERS = (SMALL, MEDIUM, LARGE)
+GRIPPERS: Mapping[GripperSize, Gripper] = {gripper.name: gripper for gripper in (SMALL, MEDIUM, LARGE)}
 
 
 def boxes(gripper: Gripper, opening_m: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -17,6 +17,7 @@ from schemas.codes.replay import REPLAY_CODES
 from schemas.codes.robot import ROBOT_CODES
 from schemas.codes.scene import SCENE_CODES
 from schemas.codes.shape import SHAPE_CODES
+from schemas.codes.suites import SUITE_CODES
 from schemas.codes.use import USE_CODES
 
 CODES: dict[str, CodeInfo] = {
@@ -24,6 +25,7 @@ CODES: dict[str, CodeInfo] = {
     **SHAPE_CODES,
     **USE_CODES,
     **JOINT_CODES,
+    **SUITE_CODES,
     **GATE_CODES,
     **GAP_CODES,
     **SCENE_CODES,

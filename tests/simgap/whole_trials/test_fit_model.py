@@ -68,8 +68,8 @@ def expected() -> tuple[float, float]:
         errors = (readings @ shape / (shape @ shape))[:, None] * shape[None] - readings
         return float(losses((errors**2).sum(axis=1), np.full(TRIALS, ROWS - 1.0)).sum())
 
-    found = minimize_scalar(loss, bounds=(1.0, 6.0), method="bounded", options={"xatol": 1e-9})
-    return float(found.x), float(found.fun)
+    least = minimize_scalar(loss, bounds=(1.0, 6.0), method="bounded", options={"xatol": 1e-9})
+    return float(least.x), float(least.fun)
 
 
 def test_the_values_are_those_of_another_optimiser(expected: tuple[float, float]) -> None:

@@ -1,0 +1,62 @@
+"""Bounds that decide on suites of acceptance, each with unit and origin."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class SuitePolicy:
+    """Bounds of the checks of suites. Lengths in m, times in s, angles in rad unless named otherwise.
+
+    Handling (`manipulated`, `tool`):
+    tries            grasps that are tried; SimReady's runtime benchmark passes an object that any grasp lifts.
+    moved_m          that the open hand may push the object before it closes: as much as its pads are clear of it.
+    slip_m           in the gripper, from closed pads to set down: half a pad of the medium gripper, beyond which the
+                     pads touch another place than planned.
+    landing_m, landing_share  drift of the mass centre after it was let go: SimReady's 2 cm of rest, or that share of
+                     the object's size where that is more.
+    landing_rad      turn after it was let go: between the 5 degrees in which a pose counts as the same and the 30 in
+                     which the next face may lie.
+    landing_sink     share of the size that it may sink in at rest, as when it is set down (`settling`).
+    landing_speed    share of its natural speed sqrt(g L) at the end, as for what rolls on (`settling`).
+
+    Slope (`common`): `slope_drop` of SimReady's runtime benchmark, 45 degrees at a friction of 0.5.
+    slope_deg, slope_friction, slope_s
+    slope_moved_m    that it must move at least: 1 cm, or `slope_moved_share` of its size for small things.
+    slope_apart_m    that it may leave the slope once it has touched: 5 cm, or `slope_apart_share` of its size.
+
+    Repeats (`common`):
+    seeds            times that it is set down with another heading and a lean up to `lean_rad`.
+    steps_hz         engine steps per second beside 240.
+    repeat_rad, repeat_share  by which final tilt, and place as a share of the size, may differ between repeats of what
+                     stays upright.
+
+    margin_share     to which the value is found from which on a suite holds.
+    """
+
+    tries: int = 3
+    moved_m: float = 0.005
+    slip_m: float = 0.01
+    landing_m: float = 0.02
+    landing_share: float = 0.1
+    landing_rad: float = math.radians(15.0)
+    landing_sink: float = 0.02
+    landing_speed: float = 0.02
+    slope_deg: float = 45.0
+    slope_friction: float = 0.5
+    slope_s: float = 0.5
+    slope_moved_m: float = 0.01
+    slope_moved_share: float = 0.5
+    slope_apart_m: float = 0.05
+    slope_apart_share: float = 0.25
+    seeds: int = 3
+    lean_rad: float = math.radians(1.0)
+    steps_hz: tuple[float, ...] = (120.0, 480.0)
+    repeat_rad: float = math.radians(5.0)
+    repeat_share: float = 0.05
+    margin_share: float = 0.1
+
+
+POLICY = SuitePolicy()

@@ -1,0 +1,83 @@
+"""What suites exercise, read from a package on disk: its USD, and its record where it has one of Mana."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import get_args
+
+from assetkit.acceptance.stable_poses import find_stable_poses
+from assetkit.acceptance.suites.suite import Subject
+from assetkit.package.record import read_record
+from schemas.affordances import AffordanceEvidence, Grasp, Region
+from schemas.anchors import Anchor
+from schemas.articulation import JointUse
+from schemas.asset import AssetRecord, PhysicsSection, Role, StablePose
+from schemas.evidence import Evidence
+from sim.port import Simulator
+from usdio.reread.body import RereadPackage, reread_package
+
+# Below, a role is a guess that no suite is asked to prove.
+PROMISED = 0.5
+
+
+def subject_on_disk(main_file: Path, simulator: Simulator, roles: Sequence[Role] = ()) -> Subject:
+    """The package with this main USD file; `roles` replace those on record.
+
+    Without a record of Mana there are no roles, grasps or bounds but those stated; stable poses are found here. Raises
+    InvalidInput (`asset/package-invalid`) for a file that holds no complete body.
+    """
+    content = reread_package(main_file)
+    record = record_of(main_file)
+    if record is None:
+        bare = Subject(main_file, content, tuple(roles))
+        return bare if bare.is_articulated else replace(bare, poses=find_stable_poses(bare.body, simulator).poses)
+    subject = subject_of(
+        main_file,
+        content,
+        roles=record.semantics.roles,
+        poses=[pose.value for pose in record.acceptance.stable_poses],
+        affordances=record.affordances,
+        anchors=[anchor.value for anchor in record.anchors],
+        joint_uses=record.joint_uses,
+        physics=record.physics,
+    )
+    return replace(subject, roles=tuple(roles)) if roles else subject
+
+
+def subject_of(
+    main_file: Path,
+    content: RereadPackage,
+    *,
+    roles: Sequence[Evidence[str]],
+    poses: Sequence[StablePose],
+    affordances: Sequence[AffordanceEvidence],
+    anchors: Sequence[Anchor],
+    joint_uses: Sequence[JointUse],
+    physics: PhysicsSection,
+) -> Subject:
+    """The subject from what is on record, or about to be."""
+    values = [evidence.value for evidence in affordances]
+    known = [role for role in get_args(Role) if any(e.value == role and e.confidence >= PROMISED for e in roles)]
+    order = [evidence.value for evidence in roles]
+    contact = physics.contacts[0] if physics.contacts else None
+    return Subject(
+        main_file,
+        content,
+        roles=tuple(sorted(known, key=order.index)),
+        poses=tuple(poses),
+        grasps=tuple(v for v in values if isinstance(v, Grasp)),
+        regions=tuple(v for v in values if isinstance(v, Region)),
+        anchors=tuple(anchors),
+        joint_uses=tuple(joint_uses),
+        friction_bounds=None
+        if contact is None or contact.bounds is None
+        else (contact.bounds[0].dynamic_friction, contact.bounds[1].dynamic_friction),
+        mass_bounds_kg=physics.mass_kg.bounds,
+    )
+
+
+def record_of(main_file: Path) -> AssetRecord | None:
+    """The record of the package with this main file; None where it is none of Mana's."""
+    return read_record(main_file.parents[1]) if len(main_file.parents) > 1 else None

@@ -1,0 +1,81 @@
+"""Entry of the cell of `mana assets accept`: runs suites on one package and writes what they found."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from assetkit.acceptance.joints.judge_joints import judge_joints
+from assetkit.acceptance.judge_body import accept
+from assetkit.acceptance.suites.run import SuiteResult, run_suite, suites_for
+from assetkit.acceptance.suites.subject import record_of, subject_on_disk
+from assetkit.acceptance.suites.suite import Subject
+from assetkit.acceptance.suites.table import SUITES
+from assetkit.library.acceptance_request import OBJECT, AcceptanceReport, AcceptanceRequest
+from jobs.cache import write_atomically
+from schemas.asset import SuiteSection
+from schemas.diagnostics import Diagnostic, InvalidInput
+from sim.named_engine import load_engine
+from sim.port import Simulator
+
+
+def accept_package(request: AcceptanceRequest) -> AcceptanceReport:
+    """What the suites of the request find on its package; the finding alone where the file holds no complete body."""
+    main_file = Path(request.main_file)
+    simulator: Simulator = load_engine(request.engine)()
+    try:
+        subject = subject_on_disk(main_file, simulator, request.roles)
+    except InvalidInput as invalid:
+        return AcceptanceReport(findings=(invalid.diagnostic,))
+    wanted = {suite.name for suite in SUITES if suite.name in request.suites}
+    chosen = [s for s in SUITES if s.name in wanted] if request.suites else list(suites_for(subject, SUITES))
+    sections: list[SuiteSection] = []
+    findings: list[Diagnostic] = []
+    if not request.suites or OBJECT in request.suites:
+        section, found = _whole_object(subject, simulator)
+        sections.append(section)
+        findings += found
+    results: list[SuiteResult] = []
+    if not sections or sections[0].outcome == "passed":
+        results = [run_suite(suite, subject, simulator, thorough=request.thorough) for suite in chosen]
+    else:  # What does not settle cannot be handled.
+        reason = f"'{OBJECT}' failed"
+        sections += [SuiteSection(name=suite.name, outcome="not_run", reason=reason) for suite in chosen]
+    sections += [result.section for result in results]
+    findings += [finding for result in results for finding in result.findings]
+    return AcceptanceReport(roles=subject.roles, suites=tuple(sections), findings=tuple(findings))
+
+
+def _whole_object(subject: Subject, simulator: Simulator) -> tuple[SuiteSection, tuple[Diagnostic, ...]]:
+    """Frame, colliders, mass, settling and stable poses, and the exercise of joints."""
+    content, record = subject.content, record_of(subject.main_file)
+    result = accept(
+        subject.main_file,
+        simulator,
+        body=content.body,
+        visual=(content.visual_points, content.visual_triangles),
+        extent_m=None if record is None else record.geometry.extent_m.value,
+        links=content.links,
+    )
+    if content.mechanism is not None and result.is_simulated:
+        joints = judge_joints(
+            subject.main_file,
+            content,
+            simulator,
+            declared=content.mechanism,
+            contacts={use.joint: use.contact.value for use in subject.joint_uses if use.contact is not None},
+            anchors=subject.anchors,
+        )
+        result = result.with_joints(joints)
+    outcome = "passed" if result.passed else "failed"
+    return SuiteSection(name=OBJECT, outcome=outcome, checks=result.section.checks), result.diagnostics
+
+
+def main(request: str, reply: str) -> None:
+    """Run the request in the JSON file `request`, write the report to `reply`."""
+    report = accept_package(AcceptanceRequest.model_validate_json(Path(request).read_bytes()))
+    write_atomically(Path(reply), report.model_dump_json().encode())
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:3])

@@ -1,0 +1,98 @@
+"""`mana assets accept`: run the suites of acceptance on packages, also those of other makers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated, cast, get_args
+
+import typer
+from rich.markup import escape
+
+from assetkit.library.acceptance_request import OBJECT, AcceptanceReport, AcceptanceRequest
+from cli import text
+from cli.engines import SIMULATOR
+from jobs.cell import Limits
+from schemas.asset import Role, SuiteSection
+
+_STYLE = {"passed": "green", "failed": "red", "not_run": "dim"}
+
+
+def accept_command(
+    path: Annotated[Path, typer.Argument(help="A USD file, a package or a library.", exists=True)],
+    suite: Annotated[
+        list[str] | None, typer.Option("--suite", help="Only this suite, whatever the roles. May be repeated.")
+    ] = None,
+    role: Annotated[
+        list[str] | None, typer.Option("--role", help="A role in place of those on record. May be repeated.")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="At the values of the package only, not at the ends of their bounds.")
+    ] = False,
+    timeout: Annotated[float, typer.Option(help="Seconds one package may take.")] = 300.0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")] = False,
+) -> None:
+    """Exercise in simulation what the roles of packages promise, on the files as they are.
+
+    A gripper takes what is to be manipulated, carries it, sets it down; things are put on and into what is to hold
+    them; joints are moved. Each suite also runs with friction and mass at the ends of their bounds: a margin says how
+    far it keeps passing. A SimReady USD of another maker has no record: name its roles with --role; without any it is
+    set down and dropped. `docs/explanation/acceptance.md` has all suites with their bounds. Exit code 1 when a suite
+    failed, 2 when nothing could be run.
+
+    Examples: `mana assets accept library/mug`, `mana assets accept library --quick --json`,
+    `mana assets accept other/crate.usd --role manipulated --role receptacle`
+    """
+    from assetkit.acceptance.suites.table import SUITES  # Loads USD, which most commands do not need.
+    from assetkit.library.accept import accept_files
+    from assetkit.library.validate import main_usd_files
+
+    names = [OBJECT, *(each.name for each in SUITES)]
+    for name in suite or ():
+        if name not in names:
+            raise typer.BadParameter(f"must be one of {', '.join(names)}", param_hint="--suite")
+    for name in role or ():
+        if name not in get_args(Role):
+            raise typer.BadParameter(f"must be one of {', '.join(get_args(Role))}", param_hint="--role")
+    files = main_usd_files(path)
+    if not files:
+        raise FileNotFoundError(f"no USD file in {path}")
+    roles = tuple(cast(Role, name) for name in role or ())
+    requests = [
+        AcceptanceRequest(
+            main_file=str(file.absolute()), engine=SIMULATOR, suites=tuple(suite or ()), roles=roles, thorough=not quick
+        )
+        for file in files
+    ]
+    reports: dict[str, AcceptanceReport] = {}
+    for file, report in accept_files(requests, limits=Limits(seconds=timeout)):
+        reports[str(file)] = report
+        if not as_json:
+            _show(file, report)
+    if as_json:
+        print(json.dumps({name: report.model_dump(mode="json") for name, report in reports.items()}, indent=1))
+    raise typer.Exit(0 if all(report.passed for report in reports.values()) else 1)
+
+
+def _show(file: Path, report: AcceptanceReport) -> None:
+    """The outcome of each suite, what limits it, and findings in full."""
+    roles = ", ".join(report.roles) or "no role"
+    text.console.print(f"[bold]{escape(str(file))}[/bold]: {roles}", soft_wrap=True)
+    for section in report.suites:
+        style = _STYLE[section.outcome]
+        text.console.print(
+            f"  [{style}]{section.outcome.replace('_', ' '):8}[/{style}] {section.name:14} {escape(_remark(section))}",
+            soft_wrap=True,
+        )
+    for finding in report.findings:
+        text.show_diagnostic(finding, "    ")
+
+
+def _remark(section: SuiteSection) -> str:
+    """The reason, or how many checks passed and what limits them."""
+    if section.reason:
+        return section.reason
+    passed = sum(check.passed for check in section.checks)
+    limits = [margin.statement for margin in section.margins if margin.statement]
+    limits += [check.name.replace("_", " ") + ": no" for check in section.repeats if not check.passed]
+    return "; ".join([f"{passed} of {len(section.checks)} checks", *limits])
