@@ -184,13 +184,14 @@ class Acceptance:
     """Findings of simulator and validators on the package as re-read from disk.
 
     `anchors` are those that were verified; `affordances` the grasps, tried or not, rims and handles. `images` are PNG
-    pictures by name: `grasps`, if there are some.
+    pictures by name: `grasps`, if there are some. `withdrawn_roles` are those that suites did not bear out.
     """
 
     section: AcceptanceSection
     anchors: tuple[Evidence[Anchor], ...] = ()
     affordances: tuple[AffordanceEvidence, ...] = ()
     images: dict[str, bytes] = field(default_factory=dict[str, bytes])
+    withdrawn_roles: tuple[str, ...] = ()
 
 
 StageResult = Canonical | Appearance | Semantics | Interaction | Physics | Previews | Acceptance

@@ -9,6 +9,11 @@ from schemas.articulation import JointUse
 from schemas.evidence import Evidence, inferred
 
 
+def roles_with_joints(roles: Sequence[Evidence[str]], uses: Sequence[JointUse]) -> tuple[Evidence[str], ...]:
+    """The roles of an object by what it is, then those that its joints give it."""
+    return (*roles, *roles_of_joints(uses))
+
+
 def roles_of_joints(uses: Sequence[JointUse]) -> tuple[Evidence[str], ...]:
     """One role per task that a joint of a known group serves, as sure as the surest of these groups."""
     roles: list[Evidence[str]] = []

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from assetkit.affordances.grasp_trials import grasp_lines
-from assetkit.articulation.roles import group_of_joints, roles_of_joints
+from assetkit.articulation.roles import group_of_joints, roles_with_joints
 from assetkit.articulation.swept_volumes import with_swept_volumes
 from assetkit.package.package import AddGrasps, AddPreviews, Package, WriteRecord, reread
 from assetkit.package.record import read_record
@@ -149,9 +149,13 @@ def _record(draft: Draft, log: StageLog, hashes: Mapping[str, str]) -> AssetReco
 
 
 def _with_interaction(draft: Draft) -> SemanticsSection:
-    """The semantics of the draft, with the front that its parts indicate, and roles and group that its joints do."""
+    """The semantics of the draft, with the front that its parts indicate, and the group that its joints do; roles
+    with those of its joints, without those that acceptance withdrew."""
     section, interaction = draft[Semantics].section, draft[Interaction]
-    roles = (*section.roles, *roles_of_joints(interaction.joint_uses))
+    withdrawn = draft[Acceptance].withdrawn_roles
+    roles = tuple(
+        role for role in roles_with_joints(section.roles, interaction.joint_uses) if role.value not in withdrawn
+    )
     group = group_of_joints(interaction.joint_uses) or section.interaction_group
     section = section.model_copy(update={"roles": roles, "interaction_group": group})
     front = interaction.front

@@ -10,11 +10,16 @@ from assetkit.acceptance.joints.checks import JudgedJoint
 from assetkit.acceptance.joints.judge_joints import judge_joints
 from assetkit.acceptance.judge_body import AcceptanceResult
 from assetkit.acceptance.judge_package import judge_bytes, require_files, simulate_package
+from assetkit.acceptance.suites.roles import judge_roles
+from assetkit.acceptance.suites.run import SuiteResult, run_suite, suites_for
+from assetkit.acceptance.suites.subject import subject_of
+from assetkit.acceptance.suites.table import SUITES
 from assetkit.affordances.anchor_trials import VerifiedAnchors, verify_anchors
 from assetkit.affordances.find import find_affordances
 from assetkit.affordances.grasp_pictures import drawn_grasps
 from assetkit.affordances.grasp_trials import grasp_lines
 from assetkit.articulation.link_anchor_trials import placed, verify_link_anchors
+from assetkit.articulation.roles import roles_with_joints
 from assetkit.package import release
 from assetkit.package.package import reread
 from assetkit.package.preview_images import render_previews
@@ -43,7 +48,7 @@ class AcceptPackage(Stage):
     """Judges the bytes that are shipped, never the values in memory."""
 
     name = "acceptance"
-    version = 9
+    version = 10
     result = Acceptance
     reads = (Canonical, Appearance, Semantics, Interaction, Physics, Previews)
 
@@ -67,11 +72,42 @@ class AcceptPackage(Stage):
         package = release.with_grasps(package, draft, grasp_lines(offered.affordances), tools)
         joints = _judged_joints(package.main_file, draft, simulated, anchors.anchors, tools)
         simulated = simulated.with_joints(joints)
+        roles = roles_with_joints(draft[Semantics].section.roles, draft[Interaction].joint_uses)
+        results = _suite_results(package.main_file, draft, simulated, acceptance, roles, tools)
+        kept = judge_roles(roles, results)
         judged = judge_bytes(package.main_file, simulated, collider_misses_bounds)
         require_files(package)
-        diagnostics = (*names, *judged.diagnostics, *anchors.diagnostics, *offered.diagnostics)
-        review = judged.review or joints.review
-        return Outcome(replace(acceptance, section=judged.section), diagnostics, review=review)
+        diagnostics = (*names, *judged.diagnostics, *anchors.diagnostics, *offered.diagnostics, *kept.findings)
+        section = judged.section.model_copy(update={"suites": tuple(result.section for result in results)})
+        return Outcome(
+            replace(acceptance, section=section, withdrawn_roles=kept.withdrawn),
+            diagnostics,
+            review=judged.review or joints.review or kept.review,
+        )
+
+
+def _suite_results(
+    main_file: Path,
+    draft: Draft,
+    simulated: AcceptanceResult,
+    acceptance: Acceptance,
+    roles: Sequence[Evidence[str]],
+    tools: Tools,
+) -> tuple[SuiteResult, ...]:
+    """The suites of the roles, on the package as it is on disk; none for an object that fails as a whole."""
+    if not simulated.passed:
+        return ()
+    subject = subject_of(
+        main_file,
+        reread(main_file),
+        roles=roles,
+        poses=[pose.value for pose in simulated.section.stable_poses],
+        affordances=acceptance.affordances,
+        anchors=[anchor.value for anchor in acceptance.anchors],
+        joint_uses=draft[Interaction].joint_uses,
+        physics=draft[Physics].section,
+    )
+    return tuple(run_suite(suite, subject, tools.simulator) for suite in suites_for(subject, SUITES))
 
 
 def _judged_joints(

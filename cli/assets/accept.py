@@ -57,7 +57,7 @@ def accept_command(
     files = main_usd_files(path)
     if not files:
         raise FileNotFoundError(f"no USD file in {path}")
-    roles = tuple(cast(Role, name) for name in role or ())
+    roles = cast(tuple[Role, ...], tuple(role or ()))
     requests = [
         AcceptanceRequest(
             main_file=str(file.absolute()), engine=SIMULATOR, suites=tuple(suite or ()), roles=roles, thorough=not quick

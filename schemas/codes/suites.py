@@ -18,9 +18,15 @@ SUITE_CODES: dict[str, CodeInfo] = {
     "asset/settling-unrepeatable": CodeInfo(
         "warning",
         "Set down again the object ends elsewhere",
-        "With another heading, a lean of less than a degree, or another step of the engine it falls over or moves on: "
+        "With another heading, a lean of one degree, or another step of the engine it falls over or moves on: "
         "scenes with it would not be reproducible.",
         "look at the foot of its colliders and at its mass centre; give it a wider foot, or another reference pose",
+    ),
+    "asset/role-withdrawn": CodeInfo(
+        "info",
+        "A role that was inferred is not borne out in simulation",
+        "What the object is usually used as is a guess; a package promises only what it was seen to do.",
+        "nothing if it is not used so; else state the role with --role, and look at the reasons",
     ),
     # Handling.
     "asset/handling-no-grasp": CodeInfo(

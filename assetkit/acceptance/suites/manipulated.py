@@ -78,13 +78,13 @@ def grasps_to_try(subject: Subject) -> tuple[list[Grasp], str]:
     )
     if recorded:
         return recorded, ""
-    reasons: list[str] = []
+    reasons: dict[str, list[str]] = {}
     for gripper in (MEDIUM, SMALL, LARGE):
         proposed = propose_grasps(subject.body, subject.poses, gripper)
         if proposed.grasps:
             return list(proposed.grasps), ""
-        reasons.append(f"{gripper.name} gripper ({1000 * gripper.widest_m():.0f} mm): {proposed.reason}")
-    return [], "; ".join(reasons)
+        reasons.setdefault(proposed.reason, []).append(f"{gripper.name} ({1000 * gripper.widest_m():.0f} mm)")
+    return [], "; ".join(f"{reason} [{', '.join(grippers)}]" for reason, grippers in reasons.items())
 
 
 def handle(subject: Subject, grasp: Grasp, simulator: Simulator, conditions: Conditions) -> SuiteRun:

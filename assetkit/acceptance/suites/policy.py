@@ -28,7 +28,8 @@ class SuitePolicy:
     slope_apart_m    that it may leave the slope once it has touched: 5 cm, or `slope_apart_share` of its size.
 
     Repeats (`common`):
-    seeds            times that it is set down with another heading and a lean up to `lean_rad`.
+    seeds            times that it is set down with another heading and a lean of `lean_rad`: half of what an
+                     upright pose must recover from (`stable_poses`).
     steps_hz         engine steps per second beside 240.
     repeat_rad, repeat_share  by which final tilt, and place as a share of the size, may differ between repeats of what
                      stays upright.
