@@ -86,10 +86,6 @@ class BulletGripper:
                 physicsClientId=self._client,
             )
 
-    def hand_pose(self) -> FloatArray:
-        """X_WH (4, 4) of the middle of the hand, axes of the gripper, lengths of the model."""
-        return self._link_pose(self.hand)
-
     def boxes(self) -> FloatArray:
         """X_WB (3, 4, 4) of left finger, right finger and hand, lengths of the model."""
         return np.stack([self._link_pose(link) for link in (self.left, self.right, self.hand)])
@@ -98,10 +94,7 @@ class BulletGripper:
         state = pybullet.getLinkState(self.handle, link, physicsClientId=self._client)
         return pose.pose_from_quat(pose.to_wxyz(np.asarray(state[1])), state[0])
 
-    def touches(self, body: int, *links: int) -> bool:
-        """Whether each of the links touches the body; without links, whether any of the gripper does."""
-        if not links:
-            return bool(pybullet.getContactPoints(self.handle, body, physicsClientId=self._client))
-        return all(
-            pybullet.getContactPoints(self.handle, body, link, -1, physicsClientId=self._client) for link in links
-        )
+    def touches(self, body: int, link: int | None = None) -> bool:
+        """Whether that link of the gripper touches the body; without one, whether any does."""
+        between = {} if link is None else {"linkIndexA": link, "linkIndexB": -1}
+        return bool(pybullet.getContactPoints(self.handle, body, **between, physicsClientId=self._client))
