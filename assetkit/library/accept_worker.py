@@ -7,14 +7,15 @@ from pathlib import Path
 
 from assetkit.acceptance.joints.judge_joints import judge_joints
 from assetkit.acceptance.judge_body import accept
-from assetkit.acceptance.suites.run import SuiteResult, run_suite, suites_for
+from assetkit.acceptance.suites.run import run_suite, suites_for
 from assetkit.acceptance.suites.subject import record_of, subject_on_disk
-from assetkit.acceptance.suites.suite import Subject
+from assetkit.acceptance.suites.suite import Subject, at_most
 from assetkit.acceptance.suites.table import SUITES
-from assetkit.library.acceptance_request import OBJECT, AcceptanceReport, AcceptanceRequest
+from assetkit.library.acceptance_request import GATE, OBJECT, AcceptanceReport, AcceptanceRequest
+from gate.static_gate import gate
 from jobs.cache import write_atomically
 from schemas.asset import SuiteSection
-from schemas.diagnostics import Diagnostic, InvalidInput
+from schemas.diagnostics import Diagnostic, InvalidInput, Severity
 from sim.named_engine import load_engine
 from sim.port import Simulator
 
@@ -27,23 +28,30 @@ def accept_package(request: AcceptanceRequest) -> AcceptanceReport:
         subject = subject_on_disk(main_file, simulator, request.roles)
     except InvalidInput as invalid:
         return AcceptanceReport(findings=(invalid.diagnostic,))
-    wanted = {suite.name for suite in SUITES if suite.name in request.suites}
-    chosen = [s for s in SUITES if s.name in wanted] if request.suites else list(suites_for(subject, SUITES))
+    chosen = [s for s in SUITES if s.name in request.suites] if request.suites else suites_for(subject, SUITES)
     sections: list[SuiteSection] = []
     findings: list[Diagnostic] = []
-    if not request.suites or OBJECT in request.suites:
-        section, found = _whole_object(subject, simulator)
-        sections.append(section)
-        findings += found
-    results: list[SuiteResult] = []
-    if not sections or sections[0].outcome == "passed":
-        results = [run_suite(suite, subject, simulator, thorough=request.thorough) for suite in chosen]
-    else:  # What does not settle cannot be handled.
-        reason = f"'{OBJECT}' failed"
-        sections += [SuiteSection(name=suite.name, outcome="not_run", reason=reason) for suite in chosen]
+    for name, judge in ((GATE, _static), (OBJECT, _whole_object)):
+        if not request.suites or name in request.suites:
+            section, found = judge(subject, simulator)
+            sections.append(section)
+            findings += found
+    # What makes no sense at rest cannot be handled.
+    broken = [section.name for section in sections if section.name == OBJECT and section.outcome == "failed"]
+    if broken:
+        unrun = [SuiteSection(name=s.name, outcome="not_run", reason=f"'{OBJECT}' failed") for s in chosen]
+        return AcceptanceReport(roles=subject.roles, suites=(*sections, *unrun), findings=tuple(findings))
+    results = [run_suite(suite, subject, simulator, thorough=request.thorough) for suite in chosen]
     sections += [result.section for result in results]
     findings += [finding for result in results for finding in result.findings]
     return AcceptanceReport(roles=subject.roles, suites=tuple(sections), findings=tuple(findings))
+
+
+def _static(subject: Subject, simulator: Simulator) -> tuple[SuiteSection, tuple[Diagnostic, ...]]:
+    """The errors of the static gate; nothing is simulated."""
+    errors = tuple(d for d in gate(subject.main_file) if d.severity is Severity.ERROR)
+    check = at_most("errors", len(errors), 0, "")
+    return SuiteSection(name=GATE, outcome="failed" if errors else "passed", checks=(check,)), errors
 
 
 def _whole_object(subject: Subject, simulator: Simulator) -> tuple[SuiteSection, tuple[Diagnostic, ...]]:

@@ -7,7 +7,8 @@ from pydantic import BaseModel, ConfigDict
 from schemas.asset import Role, SuiteSection
 from schemas.diagnostics import Diagnostic, Severity
 
-OBJECT = "object"  # the suite of every object: frame, colliders, mass, settling, stable poses, joints
+GATE = "gate"  # the static rules of docs/reference/gate.md
+OBJECT = "object"  # what is measured of every object: frame, colliders, mass, settling, stable poses, joints
 
 
 class _Model(BaseModel):

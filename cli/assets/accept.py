@@ -9,7 +9,7 @@ from typing import Annotated, cast, get_args
 import typer
 from rich.markup import escape
 
-from assetkit.library.acceptance_request import OBJECT, AcceptanceReport, AcceptanceRequest
+from assetkit.library.acceptance_request import GATE, OBJECT, AcceptanceReport, AcceptanceRequest
 from cli import text
 from cli.engines import SIMULATOR
 from jobs.cell import Limits
@@ -34,11 +34,11 @@ def accept_command(
 ) -> None:
     """Exercise in simulation what the roles of packages promise, on the files as they are.
 
-    A gripper takes what is to be manipulated, carries it, sets it down; things are put on and into what is to hold
-    them; joints are moved. Each suite also runs with friction and mass at the ends of their bounds: a margin says how
-    far it keeps passing. A SimReady USD of another maker has no record: name its roles with --role; without any it is
-    set down and dropped. `docs/explanation/acceptance.md` has all suites with their bounds. Exit code 1 when a suite
-    failed, 2 when nothing could be run.
+    The static gate judges the file, the object is set down and dropped, its joints are moved. A gripper takes what is
+    to be manipulated, carries it, sets it down; things are put on and into what is to hold them. Suites of roles also
+    run with friction and mass at the ends of their bounds: a margin is how far they keep passing. A SimReady USD of
+    another maker has no record: name its roles with --role. `docs/explanation/acceptance.md` has all suites with their
+    bounds. Exit code 1 when a suite failed, 2 when nothing could be run.
 
     Examples: `mana assets accept library/mug`, `mana assets accept library --quick --json`,
     `mana assets accept other/crate.usd --role manipulated --role receptacle`
@@ -47,7 +47,7 @@ def accept_command(
     from assetkit.library.accept import accept_files
     from assetkit.library.validate import main_usd_files
 
-    names = [OBJECT, *(each.name for each in SUITES)]
+    names = [GATE, OBJECT, *(each.name for each in SUITES)]
     for name in suite or ():
         if name not in names:
             raise typer.BadParameter(f"must be one of {', '.join(names)}", param_hint="--suite")
