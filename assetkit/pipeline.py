@@ -5,10 +5,11 @@ from __future__ import annotations
 import errno
 import time
 import traceback
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from assetkit.acceptance.targeted_repair import COLLIDER_FAILURES, repair_until_accepted
+from assetkit.acceptance.repairs import REPAIRS
+from assetkit.acceptance.targeted_repair import repair_until_accepted
 from assetkit.annotate.multimodal import UNREACHABLE
 from assetkit.batch.decisions import decision_findings
 from assetkit.batch.human_acceptance import apply_human_acceptance
@@ -48,7 +49,7 @@ STAGES = Pipeline(
         Step(ProposeParts(), refines=Refinement(("canonicalize", "interaction"), revise_by_front, at_most=1)),
         Step(AuthorPhysics()),
         Step(RenderPreviews()),
-        Step(AcceptPackage(), retries=Retry("physics", COLLIDER_FAILURES, at_most=2)),
+        Step(AcceptPackage(), retries=Retry(REPAIRS, at_most=3)),
     )
 )
 
@@ -138,7 +139,7 @@ def _process_object(draft: Draft, tools: Tools, log: StageLog, out: Path, store:
     finished = run_stages(draft, tools, log, cache, key, STAGES)
     for retry in (step.retries for step in STAGES.steps if step.retries is not None):
         if finished is not None:
-            finished, log = repair_until_accepted(finished, log, retry, rerun)
+            finished, log = repair_until_accepted(finished, log, retry.rules, retry.at_most, rerun)
     if finished is not None:
         log = apply_human_acceptance(log, tools.options)
     if finished is None or log.rejected:
@@ -199,7 +200,7 @@ def _logged_run(
     stage: Stage, draft: Draft, tools: Tools, log: StageLog, cache: Cache, key: str
 ) -> Outcome[StageResult]:
     """The outcome of one stage, made or from the store; its entry in the log replaces that of an earlier pass."""
-    key = content_key(key, stage.name, stage.version, tools.options.model_dump(), draft.excluded_colliders)
+    key = content_key(key, stage.name, stage.version, tools.options.model_dump(), asdict(draft.edits))
     key = content_key(key, library_versions())
     started = time.monotonic()
     outcome, cached = _load_or_run(stage, draft.limited_to(stage.reads), tools, cache, key)

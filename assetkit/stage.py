@@ -213,6 +213,20 @@ class MissingResult(LookupError):
 
 
 @dataclass(frozen=True)
+class Edits:
+    """What repairs change on a draft, see `assetkit.acceptance.repairs`.
+
+    excluded_colliders  methods that may not make the colliders.
+    tried_grasps        how many of the proposed grasps are tried at most; 0: as many as usual.
+    friction_gain       factor on friction that was inferred, within its bounds.
+    """
+
+    excluded_colliders: tuple[str, ...] = ()
+    tried_grasps: int = 0
+    friction_gain: float = 1.0
+
+
+@dataclass(frozen=True)
 class Draft:
     """One asset in the pipeline. Each field is the result of the stage of that name, None until it has run.
 
@@ -229,7 +243,7 @@ class Draft:
     physics: Physics | None = None
     previews: Previews | None = None
     acceptance: Acceptance | None = None
-    excluded_colliders: tuple[str, ...] = ()
+    edits: Edits = field(default_factory=Edits)
     frame: Frame | None = None
 
     def __getitem__(self, result: type[R]) -> R:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from assetkit.acceptance.repairs import RepairRule
 from assetkit.stage import RESULT_FIELDS, Draft, Frame, Stage
 from schemas.asset import RepeatReason
 
@@ -36,12 +37,11 @@ class Refinement:
 
 @dataclass(frozen=True)
 class Retry:
-    """A loop over whole attempts: `first_stage` and all after it run again, at most `at_most` times, with the collider
-    left out that caused one of `failures` (codes of findings). The first draft stays when no attempt ends without.
+    """A loop over whole attempts: a failure that a rule answers leads to an edit, and the stages from the rule's first
+    one on run again, at most `at_most` times. The first draft stays when no attempt ends without.
     """
 
-    first_stage: str
-    failures: frozenset[str]
+    rules: tuple[RepairRule, ...]
     at_most: int
 
 
@@ -115,8 +115,9 @@ def _require_loops(step: Step, earlier: list[str]) -> None:
         raise InvalidPipeline(f"'{step.name}' sends a draft to {', '.join(lost)}, which has not run")
     if list(back) != sorted(set(back), key=earlier.index):
         raise InvalidPipeline(f"'{step.name}' repeats stages out of their order")
-    if step.retries is not None and step.retries.first_stage not in earlier:
-        raise InvalidPipeline(f"'{step.name}' retries from '{step.retries.first_stage}', which has not run")
+    for rule in step.retries.rules if step.retries is not None else ():
+        if rule.first_stage not in earlier:
+            raise InvalidPipeline(f"'{step.name}' retries from '{rule.first_stage}', which has not run")
     bounds = [loop.at_most for loop in (step.refines, step.retries) if loop is not None]
     if any(at_most < 1 for at_most in bounds):
         raise InvalidPipeline(f"'{step.name}' has a loop of no pass")

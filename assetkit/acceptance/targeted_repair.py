@@ -1,62 +1,99 @@
-"""Repairs a draft that fails acceptance: one bounded edit for a closed set of failures, then the stages run again."""
+"""Repairs a draft that fails acceptance: one bounded edit at a time, then the stages that depend on it run again."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
+from assetkit.acceptance.repairs import RepairRule
 from assetkit.stage import Draft
 from assetkit.stage_log import Entry, StageLog
-from assetkit.steps import Retry
+from schemas.diagnostics import Diagnostic
 from schemas.outcome import Repair
 
-# Findings that another collider may cure.
-COLLIDER_FAILURES = frozenset(
-    {"asset/render-collision-misaligned", "asset/gate-collider-displaced", "asset/unstable-settling"}
-)
 Rerun = Callable[[Draft, StageLog, str], Draft | None]
 
 
-def repair_until_accepted(draft: Draft, log: StageLog, retry: Retry, rerun: Rerun) -> tuple[Draft, StageLog]:
-    """The draft that acceptance passes after the edits that `retry` allows, or the first one, marked for review.
+def repair_until_accepted(
+    draft: Draft, log: StageLog, rules: Sequence[RepairRule], at_most: int, rerun: Rerun
+) -> tuple[Draft, StageLog]:
+    """The draft that acceptance passes after at most so many edits, or the first one.
 
-    `rerun(draft, journal, stage)` runs `stage` and all after it, writing to `journal`.
+    `rerun(draft, log, stage)` runs `stage` and all after it, writing to `log`. An attempt counts as better only if it
+    has none of the failures that a rule answers, and is not rejected. Where nothing helps the first draft stays; it
+    goes to a person, unless all that failed were roles that it does not have to have.
     """
-    first, attempt, notes = (draft, log), draft, log
-    original = draft.physics.section.collision_method if draft.physics else ""
-    before = _figures(draft)
-    for _ in range(retry.at_most):
-        code = failure(notes, retry)
-        if code is None or attempt.physics is None:
+    attempt, notes = draft, log
+    for _ in range(at_most):
+        step = _next(attempt, notes, rules)
+        if step is None:
             break
-        failed = attempt.physics.section.collision_method
-        attempt = replace(attempt, excluded_colliders=(*attempt.excluded_colliders, failed))
+        rule, code, edited = step
         notes = log.copy()
-        again = rerun(attempt, notes, retry.first_stage)
-        if again is None or again.physics is None:
+        again = rerun(edited, notes, rule.first_stage)
+        if again is None:
             break
         attempt = again
-        if failure(notes, retry) is None and not notes.rejected and again.acceptance is not None:
-            after = _figures(again)
-            chosen = again.physics.section.collision_method
-            repair = Repair(
-                name=f"collider_{chosen}",
-                code=code,
-                stage=retry.first_stage,
-                before={"collider": original, **{k: v for k, v in before.items() if k in after}},
-                after={"collider": chosen, **{k: v for k, v in after.items() if k in before}},
-            )
-            notes.entries["repair"] = Entry(repairs=(repair,))
+        if not _failures(notes, rules) and not notes.rejected and again.acceptance is not None:
+            notes.entries["repair"] = Entry(repairs=(_record(rule, code, draft, again),))
             return again, notes
-    if failure(log, retry) is not None:
+    if any(d.code in rule.failures for d in log.diagnostics for rule in rules):
         log.entries["repair"] = Entry(review=True)
-    return first
+    return draft, log
 
 
-def failure(log: StageLog, retry: Retry) -> str | None:
-    """The first finding that a repair exists for."""
-    return next((d.code for d in log.diagnostics if d.code in retry.failures), None)
+def _next(draft: Draft, log: StageLog, rules: Sequence[RepairRule]) -> tuple[RepairRule, str, Draft] | None:
+    """The first rule that answers a failure and has an edit left, the failure, and the draft with the edit."""
+    codes = _failures(log, rules)
+    for rule in rules:
+        for code in codes:
+            if code not in rule.failures:
+                continue
+            edits = rule.edit(draft)
+            if edits is not None:
+                return rule, code, replace(draft, edits=edits)
+            break
+    return None
+
+
+def _failures(log: StageLog, rules: Sequence[RepairRule]) -> list[str]:
+    """Codes of the findings that a rule answers, in order; also of those that withdrew a role."""
+    answered = frozenset[str]().union(*(rule.failures for rule in rules))
+    return list(dict.fromkeys(d.code for d in _all(log.diagnostics) if d.code in answered))
+
+
+def _all(diagnostics: Sequence[Diagnostic]) -> Iterator[Diagnostic]:
+    for diagnostic in diagnostics:
+        yield diagnostic
+        if diagnostic.code == "asset/role-withdrawn":
+            yield from diagnostic.because
+
+
+def _record(rule: RepairRule, code: str, before: Draft, after: Draft) -> Repair:
+    """The repair with the figures of acceptance that both drafts have, and what was edited."""
+    was, now = _figures(before), _figures(after)
+    return Repair(
+        name=rule.name,
+        code=code,
+        stage=rule.first_stage,
+        before={**_edited(before), **{k: v for k, v in was.items() if k in now}},
+        after={**_edited(after), **{k: v for k, v in now.items() if k in was}},
+    )
+
+
+def _edited(draft: Draft) -> dict[str, float | int | str]:
+    collider = draft.physics.section.collision_method if draft.physics else ""
+    return {
+        "collider": collider,
+        "tried_grasps": draft.edits.tried_grasps,
+        "friction_gain": draft.edits.friction_gain,
+    }
 
 
 def _figures(draft: Draft) -> dict[str, float | int | str]:
-    return {c.name: c.value for c in draft.acceptance.section.checks} if draft.acceptance else {}
+    """Figures by name: of the object, and of suites as `suite/figure`."""
+    if draft.acceptance is None:
+        return {}
+    section = draft.acceptance.section
+    of_suites = {f"{suite.name}/{check.name}": check.value for suite in section.suites for check in suite.checks}
+    return {**{check.name: check.value for check in section.checks}, **of_suites}

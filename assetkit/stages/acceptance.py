@@ -17,7 +17,7 @@ from assetkit.acceptance.suites.table import SUITES
 from assetkit.affordances.anchor_trials import VerifiedAnchors, verify_anchors
 from assetkit.affordances.find import find_affordances
 from assetkit.affordances.grasp_pictures import drawn_grasps
-from assetkit.affordances.grasp_trials import grasp_lines
+from assetkit.affordances.grasp_trials import TRIED, grasp_lines
 from assetkit.articulation.link_anchor_trials import placed, verify_link_anchors
 from assetkit.articulation.roles import roles_with_joints
 from assetkit.package import release
@@ -65,7 +65,15 @@ class AcceptPackage(Stage):
         simulated = simulate_package(package.main_file, content, tools.simulator, extent_m)
         anchors = _verified_anchors(draft, content, tools.simulator)
         poses = [pose.value for pose in simulated.section.stable_poses]
-        offered = find_affordances(draft, content.body, poses, anchors.anchors, tools.simulator, sound=simulated.passed)
+        offered = find_affordances(
+            draft,
+            content.body,
+            poses,
+            anchors.anchors,
+            tools.simulator,
+            sound=simulated.passed,
+            tried=draft.edits.tried_grasps or TRIED,
+        )
         drawn = drawn_grasps(offered.affordances)
         images = render_previews(draft.model, (), tools.work_dir, grasps=drawn) if drawn else {}
         acceptance = Acceptance(simulated.section, anchors.anchors, offered.affordances, images)
@@ -107,6 +115,7 @@ def _suite_results(
         joint_uses=draft[Interaction].joint_uses,
         physics=draft[Physics].section,
     )
+    subject = replace(subject, most_grasps=max(subject.most_grasps, draft.edits.tried_grasps))
     return tuple(run_suite(suite, subject, tools.simulator) for suite in suites_for(subject, SUITES))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from assetkit.physics.build import build_physics
+from assetkit.physics.friction_edit import with_friction
 from assetkit.physics.links import link_physics
 from assetkit.physics.mass_inputs import mass_inputs_of
 from assetkit.stage import Appearance, Canonical, Draft, Interaction, Physics, Semantics, Stage, Tools
@@ -13,7 +14,7 @@ class AuthorPhysics(Stage):
     """Chooses collision shapes by measured fidelity and derives mass properties from the solid."""
 
     name = "physics"
-    version = 11
+    version = 12
     result = Physics
     reads = (Canonical, Appearance, Semantics, Interaction)
 
@@ -36,10 +37,11 @@ class AuthorPhysics(Stage):
             canonical.solid,
             [draft.source_name],
             work_dir=folder,
-            exclude=frozenset(draft.excluded_colliders),
+            exclude=frozenset(draft.edits.excluded_colliders),
             mass_inputs=mass_inputs_of(draft, canonical),
             contacts=draft.intake.model.contacts,
             cavities=draft.interaction.cavities if draft.interaction else None,
         )
+        built = with_friction(built, draft.edits.friction_gain)
         physics = Physics(built.shapes, built.mass, built.contact, built.section, built.surfaces, built.shape_surfaces)
         return Outcome(physics, built.diagnostics, built.repairs, review=built.section.collider_misses_bounds)

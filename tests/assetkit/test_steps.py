@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assetkit.acceptance.targeted_repair import COLLIDER_FAILURES
+from assetkit.acceptance.repairs import RepairRule, another_collider
 from assetkit.geometry.reference_frame import revise_by_front
 from assetkit.pipeline import STAGES
 from assetkit.stage import (
@@ -42,7 +42,7 @@ def loop(*repeats: str, at_most: int = 1) -> Refinement:
 
 
 def retry(first_stage: str, at_most: int = 1) -> Retry:
-    return Retry(first_stage, COLLIDER_FAILURES, at_most)
+    return Retry((RepairRule("rule", frozenset(), first_stage, another_collider),), at_most)
 
 
 @pytest.mark.parametrize(

@@ -62,7 +62,7 @@ class ManipulatedSuite:
             checks.add("asset/handling-no-grasp", f"no gripper can hold it: {reason}", at_least("grasps", 0, 1, ""))
             return checks.run()
         runs: list[SuiteRun] = []
-        for grasp in grasps[: POLICY.tries]:
+        for grasp in grasps[: subject.most_grasps]:
             runs.append(handle(subject, grasp, simulator, conditions))
             if runs[-1].passes:
                 break

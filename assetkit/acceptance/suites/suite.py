@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Protocol
 
+from assetkit.acceptance.suites.policy import POLICY
 from schemas.affordances import Grasp, Region
 from schemas.anchors import Anchor
 from schemas.articulation import JointUse
@@ -44,6 +45,7 @@ class Subject:
     roles      that it promises, the first one first.
     poses      stable poses, the most probable first.
     grasps, regions, anchors, joint_uses  as recorded; empty where nothing is on record.
+    most_grasps  that are tried before it counts as one that cannot be held.
     friction_bounds, mass_bounds_kg  between which values are believed to lie; None where nothing is on record.
     """
 
@@ -55,6 +57,7 @@ class Subject:
     regions: tuple[Region, ...] = ()
     anchors: tuple[Anchor, ...] = ()
     joint_uses: tuple[JointUse, ...] = ()
+    most_grasps: int = POLICY.tries
     friction_bounds: tuple[float, float] | None = None
     mass_bounds_kg: tuple[float, float] | None = None
 
