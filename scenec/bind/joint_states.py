@@ -68,8 +68,8 @@ def unknown_joint(asset_id: str, mechanism: Mechanism | None, name: str) -> Diag
 
 def joint_named(mechanism: Mechanism, name: str) -> MechanismJoint | None:
     """The joint of that name; where there is none, the joint of that name in the source."""
-    own = (joint for joint in mechanism.joints if joint.name == name)
-    return next(own, None) or next((joint for joint in mechanism.joints if joint.source_name == name), None)
+    joints_here = (joint for joint in mechanism.joints if joint.name == name)
+    return next(joints_here, None) or next((joint for joint in mechanism.joints if joint.source_name == name), None)
 
 
 def all_positions(mechanism: Mechanism, state: JointState) -> tuple[tuple[str, float], ...]:

@@ -6,7 +6,6 @@ moves with the first thing, turned by its yaw; both may touch.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from math import cos, sin
 from weakref import WeakKeyDictionary
 
@@ -18,28 +17,20 @@ from typing_extensions import override
 
 from geom.convex_outlines import convex_outlines
 from scenec.plan.cases.motions import Motions, RelativePoses, sway
-from scenec.relations.protocol import Assignment, Batch, Frames, Mover, RelationMeaning
+from scenec.relations.protocol import Assignment, Batch, Mover, RelationMeaning
 from scenec.solve.frames import Pose2, pose_of
 from scenec.solve.measures import SLACK
 from scenec.solve.planar import SLACK_M, hulls
 from scenec.solve.region_geometry import in_P, minkowski_sum_points, widened
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.scene.geometry import KeepClear, PlaceLayer, SceneRelation
-from schemas.scene.relations import Relation, RelationWord
 
 
 class KeepClearOf(RelationMeaning):
     """See the module."""
 
     kind = "keep_clear"
-    page = ()
     slow_to_measure = True
-
-    @override
-    def lower(
-        self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[SceneRelation]:
-        raise NotImplementedError("no word is lowered to it")
 
     @override
     def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
