@@ -23,6 +23,8 @@ from scene_check.relations import PREDICATES, SLACK_M, BatchMembers
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.scene.geometry import BACKGROUND, KeepClear, KeepOutVolume, ScenePlace, SceneRelation
 
+NEAREST_PIECES = 4  # of a footprint that are compared with those of another: more cost as much as the exact judge
+
 
 @dataclass(frozen=True)
 class FootprintBounds:
@@ -73,7 +75,7 @@ def _footprint_bounds(rules: SceneRules, poses: BatchPoses) -> FootprintBounds:
         index = poses.form[:, i]
         outlines = [_hull(np.vstack([p.outline_m for p in form.prisms])) for _, form in thing.forms]
         most = max(len(outline) for outline in outlines)
-        corners = np.stack([np.vstack([o, np.repeat(o[:1], most - len(o), axis=0)]) for o in outlines])
+        corners = np.stack([_padded(outline, most) for outline in outlines])
         at = poses.origin_m[:, i]
         hulls.append(_turned(corners[index], poses.yaw_rad[:, i]) + at[:, None, :2])
         floor = at[:, 2] - np.array([form.origin_height_m for _, form in thing.forms])[index]
@@ -85,6 +87,28 @@ def _footprint_bounds(rules: SceneRules, poses: BatchPoses) -> FootprintBounds:
 def _hull(points: FloatArray) -> FloatArray:
     """Convex hull (v, 2) of points, counter-clockwise."""
     return np.asarray(shapely.get_coordinates(shapely.orient_polygons(shapely.MultiPoint(points).convex_hull)))[:-1]
+
+
+def _pieces_near(rules: SceneRules, poses: BatchPoses, i: int, points_W: FloatArray) -> list[FloatArray]:
+    """Corners (n, v, 2) of pieces of the footprint of object i: in each scene those nearest to a point (n, 2), as far
+    as circles around them show, the nearest first."""
+    pieces = [[prism.outline_m for prism in form.prisms] for _, form in rules.things[i].forms]
+    count, most = max(map(len, pieces)), max(len(outline) for form in pieces for outline in form)
+    # Forms with fewer pieces repeat their last one, pieces with fewer corners their first one: (form, piece, v, 2).
+    corners = np.array([
+        [_padded(form[min(k, len(form) - 1)], most) for k in range(count)] for form in pieces
+    ])  # fmt: skip
+    middles = corners.mean(axis=2)
+    radii = np.hypot(*np.moveaxis(corners - middles[:, :, None], -1, 0)).max(axis=2)
+    form, yaw = poses.form[:, i], poses.yaw_rad[:, i]
+    away = _turned(points_W[:, None] - poses.origin_m[:, i, None, :2], -yaw) - middles[form]
+    order = np.argsort(np.hypot(away[..., 0], away[..., 1]) - radii[form], axis=1)[:, :NEAREST_PIECES]
+    return [_turned(corners[form, order[:, k]], yaw) + poses.origin_m[:, i, None, :2] for k in range(order.shape[1])]
+
+
+def _padded(outline: FloatArray, count: int) -> FloatArray:
+    """An outline with its first corner repeated up to a number of corners."""
+    return np.vstack([outline, np.repeat(outline[:1], count - len(outline), axis=0)])
 
 
 def _turned(points: FloatArray, yaw_rad: FloatArray) -> FloatArray:
@@ -243,6 +267,7 @@ def _related(rules: SceneRules, poses: BatchPoses, footprints: FootprintBounds, 
         front_of=lambda k: _fronts(rules, poses, numbers[k]),
         along=_turned(np.broadcast_to(rule.direction, (n, 1, 2)), turn)[:, 0],
         is_hull=all(len(form.prisms) == 1 for i in numbers for _, form in rules.things[i].forms),
+        pieces_near=lambda k, points_W: _pieces_near(rules, poses, numbers[k], points_W),
     )
     return PREDICATES[rule.kind].proven(rule, members)
 

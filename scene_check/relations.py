@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +37,8 @@ class Measured(NamedTuple):
 class BatchMembers:
     """The members of a relation in n scenes: corners (n, v, 2) of the hull, lowest and highest z (n,), origin (n, 2) of
     each, and its front (n, 2) by `front_of`. `along` (n, 2) is the direction of the relation; `is_hull` whether every
-    footprint is its hull."""
+    footprint is its hull. `pieces_near` gives some pieces of the footprint of a member, corners (n, v, 2) of each: in
+    every scene those that are nearest to a point (n, 2), roughly, the nearest first."""
 
     hulls: Sequence[FloatArray]
     low_m: Sequence[FloatArray]
@@ -45,6 +47,7 @@ class BatchMembers:
     front_of: Callable[[int], FloatArray]
     along: FloatArray
     is_hull: bool
+    pieces_near: Callable[[int, FloatArray], Sequence[FloatArray]]
 
 
 @dataclass(frozen=True)
@@ -95,9 +98,16 @@ def _near(relation: SceneRelation, items: list[CheckObject]) -> Measured:
 
 
 def _near_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
-    if not members.is_hull:
-        return np.zeros(len(members.along), dtype=bool)
-    return _hull_distance(members) <= relation.gap_m + SLACK_M
+    if members.is_hull:
+        return _hull_distance(members) <= relation.gap_m + SLACK_M
+    # Pieces are parts of the footprints, which are as near as any two of them.
+    middles = [hull.mean(axis=1) for hull in members.hulls]
+    near = np.zeros(len(members.along), dtype=bool)
+    for piece_a, piece_b in product(members.pieces_near(0, middles[1]), members.pieces_near(1, middles[0])):
+        left = np.flatnonzero(~near)
+        outline_a, outline_b = shapely.polygons(piece_a[left]), shapely.polygons(piece_b[left])
+        near[left] = distances(outline_a, outline_b) <= relation.gap_m + SLACK_M
+    return near
 
 
 def _far_from(relation: SceneRelation, items: list[CheckObject]) -> Measured:

@@ -18,7 +18,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 SHARED = Path(__file__).parents[1].parent / "shared" / "data"
 
-pytest_plugins = ["tests.support.seconds"]
+pytest_plugins = ["tests.support.seconds", "tests.support.mujoco_log"]
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -18,6 +18,7 @@ from assetkit.generate.parameters import parameters_of
 from assetkit.generate.truth import TRUTH_FILE, GeneratedTruth, TrueJoint, TrueLink, TrueObject, TrueParameter
 from assetkit.package.write_obj import write_obj
 from assetkit.package.write_twins import described_joint
+from assetkit.package.write_urdf import described_collision
 from geom.pose import pose
 from schemas.anchors import Point3
 from schemas.arrays import FloatArray
@@ -132,10 +133,13 @@ def _description(thing: GeneratedObject, folder: Path) -> RobotDescription:
 
 
 def _link(link: GeneratedLink, origin: FloatArray, object_name: str, folder: Path) -> DescribedLink:
-    prefix = f"{MESHES}/{object_name}_{link.name}"
     visuals = [_visual(part, shape_name(link, part), origin, object_name, folder) for part in link.parts]
     pieces = [piece for part in link.parts for piece in part.shape.convex]
-    collisions = [_collision(piece, origin, f"{prefix}_collision_{i:02d}", folder) for i, piece in enumerate(pieces)]
+    names = [f"{object_name}_{link.name}_collision_{i:02d}" for i in range(len(pieces))]
+    collisions = [
+        described_collision(name, _from_origin(piece, origin), folder, mesh_name=name)
+        for name, piece in zip(names, pieces, strict=True)
+    ]
     mass = link.mass
     inertial = Inertial(mass.mass_kg, pose(None, mass.centre_of_mass_m - origin), mass.inertia_kgm2)
     return DescribedLink(link.name, (*visuals, *collisions), inertial, "declared")
@@ -155,14 +159,11 @@ def _visual(part: GeneratedPart, name: str, origin: FloatArray, object_name: str
     return DescribedShape(name, "mesh", (), np.eye(4), False, True, mesh=reference, material=material)
 
 
-def _collision(piece: CollisionShape, origin: FloatArray, file: str, folder: Path) -> DescribedShape:
-    name = file.rpartition("/")[2]
-    if piece.kind != "hull":
-        return DescribedShape(name, piece.kind, piece.size_m, pose(None, -origin) @ piece.X_AS, True, False)
-    if piece.points is None or piece.triangles is None:
-        raise ValueError("a hull shape needs points and triangles")
-    write_obj(folder / f"{file}.obj", piece.points - origin, piece.triangles)
-    return DescribedShape(name, "mesh", (), np.eye(4), True, False, mesh=MeshReference(f"{file}.obj", name=name))
+def _from_origin(piece: CollisionShape, origin: FloatArray) -> CollisionShape:
+    """The shape in the frame of its link: corners of a hull are shifted, so that its frame is that of the link."""
+    if piece.points is not None:
+        return replace(piece, points=piece.points - origin)
+    return replace(piece, X_AS=pose(None, -origin) @ piece.X_AS)
 
 
 def _true_link(link: GeneratedLink) -> TrueLink:

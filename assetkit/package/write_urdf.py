@@ -60,7 +60,7 @@ def described_link(
     visuals = [_visual(mesh, material, export) for mesh, material in meshes if len(mesh.triangles)]
     contacts = shape_contacts if len(set(shape_contacts)) > 1 else [None] * len(body.shapes)
     collisions = [
-        _collision(f"{prefix}collider_{index:02d}", shape, contact, export)
+        described_collision(f"{prefix}collider_{index:02d}", shape, export, contact and _friction(contact))
         for index, (shape, contact) in enumerate(zip(body.shapes, contacts, strict=True))
     ]
     return DescribedLink(body.name, (*visuals, *collisions), _inertial(body), "declared", _contact(body))
@@ -97,14 +97,17 @@ def _visual(mesh: Mesh, mesh_material: MeshMaterial, export: Path) -> DescribedS
     return DescribedShape(mesh.id, "mesh", (), np.eye(4), False, True, mesh=reference, material=material)
 
 
-def _collision(name: str, shape: CollisionShape, contact: Contact | None, export: Path) -> DescribedShape:
-    friction = _friction(contact) if contact is not None else None
+def described_collision(
+    name: str, shape: CollisionShape, export: Path, friction: ShapeFriction | None = None, mesh_name: str = ""
+) -> DescribedShape:
+    """A collision shape in the frame of its link; the file of a hull is written to `export/meshes/`. `mesh_name` is
+    what MJCF calls its mesh."""
     if shape.kind != "hull":
         return DescribedShape(name, shape.kind, shape.size_m, shape.X_AS, True, False, friction=friction)
     if shape.points is None or shape.triangles is None:
         raise ValueError("a hull shape needs points and triangles")
     write_obj(export / "meshes" / f"{name}.obj", shape.points, shape.triangles)
-    reference = MeshReference(f"meshes/{name}.obj")
+    reference = MeshReference(f"meshes/{name}.obj", name=mesh_name)
     return DescribedShape(name, "mesh", (), shape.X_AS, True, False, mesh=reference, friction=friction)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from scenec.relations.table import RELATIONS
+from scenec.relations.table import WRITTEN_RELATIONS
 from schemas.scene.relations import RELATION_WORDS, Relation, RelationWord
 
 _INTRODUCTION = """# Relations
@@ -28,7 +28,7 @@ axes count: the name of an anchor, node or object, or `world`. A key that has no
 
 def page() -> str:
     """The page as text."""
-    texts = {word: (members, holds) for meaning in RELATIONS.values() for word, members, holds in meaning.page}
+    texts = {word: (members, holds) for meaning in WRITTEN_RELATIONS.values() for word, members, holds in meaning.page}
     rows = "".join(_row(row, *texts[row.word]) for row in RELATION_WORDS)
     words = {row.word for row in RELATION_WORDS}
     keys = "".join(_key(name) for name in Relation.model_fields if name not in words)

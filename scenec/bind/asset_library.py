@@ -80,6 +80,7 @@ class AssetLibrary:
         self._geometries: dict[tuple[str, float, JointState], Geometry] = {}
         self._bodies: dict[tuple[str, float, JointState, Orientation, bool], Body] = {}
         self._records: dict[str, bytes] = {}
+        self._checked: dict[str, AssetRecord] = {}
         self._linkages: dict[str, Linkage] = {}
         # By id of the asset object, for repeated requests.
         self._seen: dict[tuple[int, float, JointState], tuple[SingleAsset, Geometry]] = {}
@@ -94,7 +95,9 @@ class AssetLibrary:
     def refresh(self) -> None:
         """Drops the list of packages, and all cached geometry where a package that was used has changed or is gone."""
         if any(self._record(asset_id) != record for asset_id, record in self._records.items()):
-            for known in (self._geometries, self._bodies, self._records, self._seen, self._linkages):
+            for known in (
+                self._geometries, self._bodies, self._records, self._checked, self._seen, self._linkages
+            ):  # fmt: skip
                 known.clear()
         self.__dict__.pop("names", None)
 
@@ -184,22 +187,31 @@ class AssetLibrary:
         except OSError:
             return b""
 
-    def _package(self, asset_id: str, scale: float, state: JointState) -> Geometry:
+    def _usable_record(self, asset_id: str) -> AssetRecord:
+        """The record of a package whose physics are those that it was written of; read once. Raises InvalidInput."""
+        if asset_id in self._checked:
+            return self._checked[asset_id]
         if asset_id not in self.names:
             reason = "there is no asset library" if self.folder is None else "the library has none of that name"
             headline = f"no asset `{asset_id}`: {reason}{did_you_mean(asset_id, self.names)}"
             raise InvalidInput(finding("scene/unknown-asset", headline))
         assert self.folder is not None, "it holds the package"
-        folder = self.folder / asset_id
         self._records[asset_id] = self._record(asset_id)
         try:
             record = AssetRecord.model_validate_json(self._records[asset_id])
         except ValueError:
             raise _unusable(asset_id, "its record.json is not the record of an asset") from None
-        changed = changed_physics(folder, record.hashes)
+        changed = changed_physics(self.folder / asset_id, record.hashes)
         if changed:
             reason = f"'{changed[0]}' is not the file that was tried in simulation: ingest the asset again"
             raise _unusable(asset_id, reason)
+        self._checked[asset_id] = record
+        return record
+
+    def _package(self, asset_id: str, scale: float, state: JointState) -> Geometry:
+        record = self._usable_record(asset_id)
+        assert self.folder is not None, "it holds the package"
+        folder = self.folder / asset_id
         posed = None
         try:
             if record.physics.links:

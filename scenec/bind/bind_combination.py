@@ -15,6 +15,7 @@ from scenec.bind.bind_relations import lower_relations
 from scenec.bind.choice_spans import candidate_path
 from scenec.bind.joint_states import JointState, joint_named, joint_state
 from scenec.bind.posed_asset import TILT_DEG
+from scenec.bind.swept_space import swept_space
 from scenec.bind.variants import AS_WRITTEN, ASSETS, Choice
 from scenec.bind.written_poses import domain_at, fixed_pose_of, orientation_of, world_pose_of, yaw_of, yaw_range_of
 from scenec.ir.derivation_cache import DerivationCache
@@ -68,7 +69,6 @@ class Lowering:
         self.diagnostics_by_path: list[tuple[Path, Diagnostic]] = []  # without lines, for reuse when lines shift
         self.places: dict[tuple[str, str], tuple[str, ScenePlace] | None] = {}
         self.objects = {thing.id: thing for thing in self.program.objects}
-        self.node_of = {t: n for n in self.program.layout.nodes for t in names.copies[n]}
 
     def problem(self) -> Problem:
         """The problem, with the relations, keep-outs and reach of its things."""
@@ -112,7 +112,7 @@ class Lowering:
             if background is None or asset is None:
                 return None
             return asset, background.scale, self._state(asset, background.joints)
-        node = self.program.layout.nodes[self.node_of[owner]]
+        node = self.program.layout.nodes[self.names.node_of[owner]]
         asset = self.choice.objects[node.object][0]
         return asset, self.objects[node.object].scale, self._state(asset, node.joints)
 
@@ -289,7 +289,7 @@ class Lowering:
         return None
 
     def _object_of(self, thing: str) -> str:
-        return self.program.layout.nodes[self.node_of[thing]].object
+        return self.program.layout.nodes[self.names.node_of[thing]].object
 
     def _candidate(self, name: str, asset: SingleAsset) -> tuple[Label, ...]:
         """A label at the candidate of an object that an asset is; none where the object is no pool."""
@@ -333,7 +333,7 @@ class Lowering:
                 joint = joint_named(asset.linkage.mechanism, rule.joint)
                 assert joint is not None, "the joint was found"
                 try:
-                    links, layers = asset.keep_clear(joint.name)
+                    links, layers = swept_space(asset, joint.name)
                 except InvalidInput as error:
                     self._add(error.diagnostic, ("keep_clear", i, "joint"))
                     continue

@@ -9,7 +9,7 @@ import numpy as np
 
 from scenec.ir.names import WORLD, Names
 from scenec.ir.problem import Path, Thing
-from scenec.relations.table import RELATIONS
+from scenec.relations.table import WRITTEN_RELATIONS
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.scene.geometry import BACKGROUND, SceneRelation
@@ -48,7 +48,7 @@ def _lowered(
     if not all(thing in things for side in sides for thing in side):  # of another component
         return
     frames = RelationFrames(names, relation.frame, things, background_yaw_rad, path)
-    yield from RELATIONS[row.kind].lower(relation, row, sides, frames)
+    yield from WRITTEN_RELATIONS[row.kind].lower(relation, row, sides, frames)
 
 
 @dataclass(frozen=True)

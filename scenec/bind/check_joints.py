@@ -63,8 +63,7 @@ def _kept_assets(names: Names, owner: str) -> tuple[SingleAsset, ...]:
     if owner == BACKGROUND:
         grounds = [program.background, *(variant.background for variant in program.variants.backgrounds)]
         return tuple(asset for ground in grounds if ground is not None for asset in single_assets(ground.asset))
-    node = program.layout.nodes.get(owner)
-    return _candidates(program, owner if node is None else node.object)
+    return _candidates(program, names.object_of(owner))
 
 
 def _candidates(program: SceneProgram, name: str) -> tuple[SingleAsset, ...]:

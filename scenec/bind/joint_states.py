@@ -22,7 +22,9 @@ JointState: TypeAlias = tuple[tuple[str, float], ...]
 """(joint, position in m or rad) of the joints whose positions are written, by name; empty: all at rest."""
 
 DEGREES = "_deg"
-LIMIT_SLACK = 1e-6  # m or rad by which a position may pass a limit: limits went through the degrees of USD in float32
+# m or rad, and share of a limit, by which a position may pass it: limits went through the degrees of USD in float32,
+# whose rounding is 6e-8 of the number.
+LIMIT_SLACK = 1e-6
 LOOP_SLACK_M = 1e-3  # by which the ends of a closing joint may come apart
 MOST_JOINTS = 12  # that a finding lists
 
@@ -65,8 +67,9 @@ def unknown_joint(asset_id: str, mechanism: Mechanism | None, name: str) -> Diag
 
 
 def joint_named(mechanism: Mechanism, name: str) -> MechanismJoint | None:
-    """The joint of that name, or of that name in the source."""
-    return next((joint for joint in mechanism.joints if name in (joint.name, joint.source_name)), None)
+    """The joint of that name; where there is none, the joint of that name in the source."""
+    joints_here = (joint for joint in mechanism.joints if joint.name == name)
+    return next(joints_here, None) or next((joint for joint in mechanism.joints if joint.source_name == name), None)
 
 
 def all_positions(mechanism: Mechanism, state: JointState) -> tuple[tuple[str, float], ...]:
@@ -76,9 +79,9 @@ def all_positions(mechanism: Mechanism, state: JointState) -> tuple[tuple[str, f
 
 
 def differs_from_rest(mechanism: Mechanism, state: JointState) -> bool:
-    """Whether a state is another one than that of the asset frame."""
-    rest = {joint.name: joint.rest for joint in mechanism.joints}
-    return any(abs(position - rest[name]) > LIMIT_SLACK for name, position in state)
+    """Whether a state takes any joint elsewhere than it is at rest, be it by a coupling whose offset does so."""
+    positions = dict(all_positions(mechanism, state))
+    return any(abs(positions[one.name] - one.rest) > LIMIT_SLACK for one in mechanism.tree if one.name in positions)
 
 
 def _joint_of(mechanism: Mechanism | None, key: str) -> tuple[MechanismJoint | None, bool]:
@@ -114,15 +117,21 @@ def _on_limit(joint: MechanismJoint, position: float) -> float:
     if joint.limits is None:
         return position
     low, high = joint.limits
-    return min(max(position, low), high) if low - LIMIT_SLACK <= position <= high + LIMIT_SLACK else position
+    return min(max(position, low), high) if _within(joint, position) else position
+
+
+def _within(joint: MechanismJoint, position: float) -> bool:
+    """Whether a position passes no limit, but for rounding."""
+    low, high = joint.limits or (-math.inf, math.inf)
+    slack = LIMIT_SLACK * max(1.0, abs(position))
+    return low - slack <= position <= high + slack
 
 
 def _outside(joint: MechanismJoint, value: float, position: float, in_degrees: bool) -> Iterator[Diagnostic]:
     """A finding where a position is outside the limits, or in another unit than it says."""
-    low, high = joint.limits or (-math.inf, math.inf)
-    outside = not low - LIMIT_SLACK <= position <= high + LIMIT_SLACK
+    outside = not _within(joint, position)
     if joint.is_angular and not in_degrees:
-        as_degrees = low - LIMIT_SLACK <= math.radians(value) <= high + LIMIT_SLACK
+        as_degrees = _within(joint, math.radians(value))
         if abs(value) > MOST_ANGLE_RAD and (outside or joint.limits is None) and as_degrees:
             headline = (
                 f"`{joint.name}` at {value:g} rad is {_beyond(joint)}; did you mean `{joint.name}_deg: {value:g}`?"
@@ -160,8 +169,7 @@ def _dependent(mechanism: Mechanism, state: Mapping[str, float]) -> Iterator[Dia
     for joint in mechanism.tree:
         if joint.coupling is None or positions[joint.name] == rest[joint.name]:
             continue
-        low, high = joint.limits or (-math.inf, math.inf)
-        if not low - LIMIT_SLACK <= positions[joint.name] <= high + LIMIT_SLACK:
+        if not _within(joint, positions[joint.name]):
             headline = (
                 f"`{joint.name}`, which follows, comes to {_shown(joint, positions[joint.name])}, {_beyond(joint)}"
             )

@@ -1,4 +1,4 @@
-"""An articulated asset at a joint state: its rigid body, the anchors that moved along, the space that a joint sweeps.
+"""An articulated asset at a joint state: its rigid body, and the anchors that moved along.
 
 Frame P is the asset frame, in which the root link stays where it is at rest. Metres, radians.
 """
@@ -6,33 +6,26 @@ Frame P is the asset frame, in which the root link stays where it is at rest. Me
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import shapely
-from shapely import Polygon
-from shapely.affinity import affine_transform
-from shapely.geometry.base import BaseGeometry
 
 from geom.convex.circumscribed_hull import circumscribed_hull
-from geom.mechanism_pose import joint_positions, link_motions
+from geom.mechanism_pose import link_motions
 from geom.pose import apply
 from scenec.bind.joint_states import JointState, all_positions, differs_from_rest
 from schemas.anchors import Anchor, AnchorPolygon, SupportSurface
 from schemas.arrays import FloatArray
 from schemas.articulation import JointUse, SweptVolume
 from schemas.diagnostics import InvalidInput, finding
-from schemas.mechanism import Mechanism
 from schemas.physics import RigidBody
-from schemas.scene.geometry import PlaceLayer
 from usdio.reread.body import Linkage
 
 TILT_DEG = 0.5  # of an anchor that still counts as level: 4 mm over half a metre, the step of a floor (bind.anchors)
-SWEPT_TILT_DEG = 0.01  # of a swept volume, which must cover the motion: 0.1 mm over half a metre
 FOOT_M = 1e-3  # height over the lowest point up to which an object stands on what it has there
-HEIGHT_DIGITS = 9  # of the heights by which prisms of one swept volume are put together
 
 
 @dataclass(frozen=True)
@@ -52,7 +45,7 @@ class PosedAsset:
     @cached_property
     def body(self) -> RigidBody:
         """The object as one body, its joints held."""
-        return self.linkage.held(dict(self.state) if self.moved else None)
+        return self.linkage.held(dict(self.positions) if self.moved else None)
 
     @cached_property
     def positions(self) -> tuple[tuple[str, float], ...]:
@@ -62,7 +55,10 @@ class PosedAsset:
     @cached_property
     def motions(self) -> dict[str, FloatArray]:
         """M (4, 4) by link: where the state takes points of the asset frame from where they are at rest."""
-        return link_motions(self.linkage.mechanism, dict(self.state) if self.moved else {})
+        mechanism = self.linkage.mechanism
+        if not self.moved:
+            return {link.name: np.eye(4) for link in mechanism.links}
+        return link_motions(mechanism, dict(self.positions))
 
     def anchor(self, anchor: Anchor) -> Anchor | float:
         """The anchor where its link takes it, or by how many degrees it leans there, if that is too much to be level.
@@ -76,9 +72,8 @@ class PosedAsset:
         if not self.moved:
             return anchor
         M = np.eye(4) if anchor.link is None else self.motions[anchor.link]
-        lean_deg = _lean_deg(M)
-        if lean_deg > TILT_DEG:
-            return lean_deg
+        if (leaning_deg := lean_deg(M)) > TILT_DEG:
+            return leaning_deg
         position = _triple(apply(M, np.array([anchor.position_m]))[0])
         if isinstance(anchor, SupportSurface):
             shift, polygon = _turned(M, (anchor.polygon,), anchor.polygon)
@@ -93,37 +88,6 @@ class PosedAsset:
             update = {"opening": polygons[0], "slices": slices}
         x, y, z = position
         return anchor.model_copy(update={**update, "position_m": (x + shift[0], y + shift[1], z)})
-
-    def keep_clear(self, joint: str) -> tuple[tuple[str, ...], tuple[PlaceLayer, ...]]:
-        """The links that a joint moves, and the space in P that they sweep.
-
-        Raises InvalidInput (`scene/no-swept-volume`) where it is not known for this state.
-        """
-        mechanism = self.linkage.mechanism
-        volume = self.swept.get(joint)
-        if volume is None:
-            reason = (
-                "the record of the asset has none" if joint not in self.swept else "its links have no collision shape"
-            )
-            raise _no_volume(self.asset_id, joint, reason)
-        carrier = {one.child: one for one in mechanism.tree}
-        moved = _carried_by(mechanism, joint)
-        positions = joint_positions(mechanism, dict(self.state))
-        rest = joint_positions(mechanism, {})
-        tied = {joint, *_followers(mechanism, joint)}
-        off = {name for name, position in positions.items() if abs(position - rest[name]) > 1e-9} - tied
-        if inner := sorted(name for link in moved if (name := carrier[link].name) in off):
-            raise _no_volume(
-                self.asset_id, joint, f"it is known with all other joints at rest, and `{inner[0]}` is not"
-            )
-        parent = next(one.parent for one in mechanism.tree if one.name == joint)
-        M = self.motions[parent]
-        if _lean_deg(M) > SWEPT_TILT_DEG:
-            raise _no_volume(self.asset_id, joint, f"it leans with `{parent}`")
-        layers = tuple(_moved_layer(M, layer) for layer in _layers(volume))
-        if not layers:
-            raise _no_volume(self.asset_id, joint, "the record of the asset has an empty one")
-        return moved, layers
 
     def beyond_feet_m(self) -> float:
         """How far the mass centre is beyond what the object stands on, negative inside."""
@@ -145,8 +109,8 @@ def beyond_feet_m(body: RigidBody) -> float:
     return outside if outside > 0.0 else -float(hull.boundary.distance(middle))
 
 
-def _lean_deg(M: FloatArray) -> float:
-    """How far a motion turns the vertical."""
+def lean_deg(M: FloatArray) -> float:
+    """How far (degrees) a motion (4, 4) turns the vertical."""
     return math.degrees(math.acos(min(max(float(M[2, 2]), -1.0), 1.0)))
 
 
@@ -173,62 +137,6 @@ def _rotated(polygon: AnchorPolygon, c: float, s: float, origin: tuple[float, fl
     return AnchorPolygon(outline_m=ring(polygon.outline_m), holes_m=tuple(map(ring, polygon.holes_m)))
 
 
-def _layers(volume: SweptVolume) -> tuple[PlaceLayer, ...]:
-    """A swept volume as few prisms: those of the same heights united."""
-    by_heights: dict[tuple[float, float], list[BaseGeometry]] = {}
-    for prism in volume.prisms:
-        heights = round(prism.low_m, HEIGHT_DIGITS), round(prism.high_m, HEIGHT_DIGITS)
-        outline = shapely.make_valid(Polygon(prism.polygon.outline_m, prism.polygon.holes_m))
-        by_heights.setdefault(heights, []).append(outline)
-    layers: list[PlaceLayer] = []
-    for (low, high), outlines in sorted(by_heights.items()):
-        parts: list[object] = shapely.get_parts(shapely.union_all(outlines)).tolist()
-        layers += [PlaceLayer(low, high, part) for part in parts if isinstance(part, Polygon) and part.area > 0.0]
-    return tuple(layers)
-
-
-def _moved_layer(M: FloatArray, layer: PlaceLayer) -> PlaceLayer:
-    a, b, c, d = float(M[0, 0]), float(M[0, 1]), float(M[1, 0]), float(M[1, 1])
-    area = affine_transform(layer.polygon, [a, b, c, d, float(M[0, 3]), float(M[1, 3])])
-    assert isinstance(area, Polygon), "a rotation keeps polygons"
-    rise = float(M[2, 3])
-    return PlaceLayer(layer.low_m + rise, layer.high_m + rise, area)
-
-
-def _carried_by(mechanism: Mechanism, joint: str) -> tuple[str, ...]:
-    """The links that move when a joint does: its child, what that carries, and what followers carry."""
-    moved = {one.child for one in mechanism.tree if one.name in {joint, *_followers(mechanism, joint)}}
-    parent = {one.child: one.parent for one in mechanism.tree}
-    moved |= {link.name for link in mechanism.links if not moved.isdisjoint(_chain(link.name, parent))}
-    return tuple(link.name for link in mechanism.links if link.name in moved)
-
-
-def _chain(link: str, parent: Mapping[str, str]) -> Iterator[str]:
-    """A link and those that carry it."""
-    while True:
-        yield link
-        if link not in parent:
-            return
-        link = parent[link]
-
-
-def _followers(mechanism: Mechanism, joint: str) -> frozenset[str]:
-    """Joints that follow a joint, directly or through others."""
-    names: set[str] = set()
-    while more := {
-        one.name
-        for one in mechanism.joints
-        if one.coupling is not None and one.coupling.joint in {joint, *names} and one.name not in names
-    }:
-        names |= more
-    return frozenset(names)
-
-
 def _triple(point: FloatArray) -> tuple[float, float, float]:
     x, y, z = (float(v) for v in point)
     return x, y, z
-
-
-def _no_volume(asset_id: str, joint: str, reason: str) -> InvalidInput:
-    headline = f"the space that `{joint}` of `{asset_id}` sweeps is not known: {reason}"
-    return InvalidInput(finding("scene/no-swept-volume", headline, value=joint))

@@ -135,8 +135,7 @@ class VariantSpace:
         carriers = (node.object for name, node in nodes.items() if not owners.isdisjoint(names.copies[name]))
         turned = (node.object for name, node in nodes.items() if not upright(names.placing(name)))
         jointed = (node.object for node in nodes.values() if node.joints)
-        kept_clear = (rule.object for rule in names.program.keep_clear)
-        kept_clear = (nodes[name].object if name in nodes else name for name in kept_clear)
+        kept_clear = (names.object_of(rule.object) for rule in names.program.keep_clear)
         return frozenset((*carriers, *turned, *jointed, *kept_clear))
 
     def _settings(self, keys: Collection[str]) -> Iterator[tuple[str, str, Combination]]:

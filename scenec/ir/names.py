@@ -73,6 +73,18 @@ class Names:
         nodes = [node for node, written in self.program.layout.nodes.items() if written.object == name]
         return tuple(t for node in nodes for t in self.copies[node]) or ((name,) if name in self.things else ())
 
+    @cached_property
+    def node_of(self) -> dict[str, str]:
+        """The node of each placed thing."""
+        return {thing: node for node, copies in self.copies.items() for thing in copies}
+
+    def object_of(self, name: str) -> str:
+        """The id of the object that `name`, a node, an object or a copy, refers to; itself where it is unknown."""
+        if name not in self.copies and name in self.objects:
+            return name
+        node = self.node_of.get(name, name)
+        return self.program.layout.nodes[node].object if node in self.copies else name
+
     def owner(self, anchor: str) -> str | None:
         """The one thing, or `background`, that an anchor belongs to; None when there is not exactly one."""
         return self._owners.get(anchor)

@@ -16,7 +16,7 @@ from typing_extensions import override
 from scenec.ir.problem import Problem, Proof, Thing
 from scenec.plan.cases.motions import Motions
 from scenec.proofs.outlines import OUTLINE_SLACK_M
-from scenec.relations.protocol import Assignment, Batch, Frames, Mover, RelationMeaning, WeakerNumber, with_gap
+from scenec.relations.protocol import Assignment, Batch, Frames, Mover, WeakerNumber, WordMeaning, with_gap
 from scenec.solve import measures
 from scenec.solve.measures import SLACK
 from scenec.solve.region_geometry import NOWHERE
@@ -27,7 +27,7 @@ from schemas.scene.relations import Relation, RelationWord
 Span = tuple[float, float]  # least and largest
 
 
-class Above(RelationMeaning):
+class Above(WordMeaning):
     """See the module. Layouts of plans fix all heights, so that cells need no clipping."""
 
     kind = "above"

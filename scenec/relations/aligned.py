@@ -20,8 +20,8 @@ from scenec.relations.protocol import (
     Batch,
     Frames,
     Mover,
-    RelationMeaning,
     WeakerNumber,
+    WordMeaning,
     with_tolerance,
 )
 from scenec.solve import measures
@@ -36,7 +36,7 @@ from schemas.scene.relations import Relation, RelationWord
 ALIGNED_M = 0.01  # where no tolerance is written
 
 
-class Aligned(RelationMeaning):
+class Aligned(WordMeaning):
     """See the module."""
 
     kind = "aligned"

@@ -21,8 +21,8 @@ from scenec.relations.protocol import (
     Batch,
     Frames,
     Mover,
-    RelationMeaning,
     WeakerNumber,
+    WordMeaning,
     along_axis,
     with_gap,
 )
@@ -50,7 +50,7 @@ _AWAY: dict[str, tuple[float, float]] = {
 _AXIS = {"left_of": _RIGHT, "right_of": _RIGHT, "front_of": _AWAY, "behind": _AWAY}
 
 
-class Before(RelationMeaning):
+class Before(WordMeaning):
     """See the module."""
 
     kind = "before"

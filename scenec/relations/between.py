@@ -19,8 +19,8 @@ from scenec.relations.protocol import (
     Batch,
     Frames,
     Mover,
-    RelationMeaning,
     WeakerNumber,
+    WordMeaning,
     with_tolerance,
 )
 from scenec.solve import measures
@@ -33,7 +33,7 @@ from schemas.scene.relations import Relation, RelationWord
 BETWEEN_M = 0.02  # where no tolerance is written
 
 
-class Between(RelationMeaning):
+class Between(WordMeaning):
     """See the module."""
 
     kind = "between"

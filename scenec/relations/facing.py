@@ -14,7 +14,7 @@ from scenec.plan.cases.motions import ROUNDING, Motions
 from scenec.plan.cases.rectangles import wrapped_all
 from scenec.proofs.constraints import LinearConstraint, NodePose
 from scenec.proofs.outlines import OUTLINE_SLACK_M
-from scenec.relations.protocol import Assignment, Batch, Frames, Mover, RelationMeaning
+from scenec.relations.protocol import Assignment, Batch, Frames, Mover, WordMeaning
 from scenec.solve import measures
 from scenec.solve.frames import pose_of
 from scenec.solve.measures import SLACK
@@ -30,7 +30,7 @@ NEAREST_IN_PLANS_M = 1e-4
 WIDEST_WEDGE_RAD = 1.4  # beyond, a wedge would leave too little out
 
 
-class Facing(RelationMeaning):
+class Facing(WordMeaning):
     """See the module."""
 
     kind = "facing"

@@ -17,8 +17,8 @@ from scenec.relations.protocol import (
     Batch,
     Frames,
     Mover,
-    RelationMeaning,
     WeakerNumber,
+    WordMeaning,
     distance_relations,
     with_gap,
 )
@@ -31,7 +31,7 @@ from schemas.scene.geometry import SceneRelation
 from schemas.scene.relations import Relation, RelationWord
 
 
-class FarFrom(RelationMeaning):
+class FarFrom(WordMeaning):
     """See the module. Proofs take it as a pair that must keep `least_distance_m`."""
 
     kind = "far_from"

@@ -24,8 +24,8 @@ from scenec.relations.protocol import (
     Batch,
     Frames,
     Mover,
-    RelationMeaning,
     WeakerNumber,
+    WordMeaning,
     along_axis,
     with_gap,
     with_tolerance,
@@ -42,7 +42,7 @@ from schemas.scene.relations import Relation, RelationWord
 IN_LINE_M = 0.01  # where no tolerance is written
 
 
-class InLine(RelationMeaning):
+class InLine(WordMeaning):
     """See the module."""
 
     kind = "in_line"

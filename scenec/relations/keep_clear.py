@@ -6,38 +6,31 @@ moves with the first thing, turned by its yaw; both may touch.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from math import cos, sin
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import shapely
+from shapely import Polygon
 from shapely.geometry.base import BaseGeometry
 from typing_extensions import override
 
 from geom.convex_outlines import convex_outlines
 from scenec.plan.cases.motions import Motions, RelativePoses, sway
-from scenec.relations.protocol import Assignment, Batch, Frames, Mover, RelationMeaning
+from scenec.relations.protocol import Assignment, Batch, Mover, RelationMeaning
 from scenec.solve.frames import Pose2, pose_of
 from scenec.solve.measures import SLACK
 from scenec.solve.planar import SLACK_M, hulls
 from scenec.solve.region_geometry import in_P, minkowski_sum_points, widened
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.scene.geometry import KeepClear, PlaceLayer, SceneRelation
-from schemas.scene.relations import Relation, RelationWord
 
 
 class KeepClearOf(RelationMeaning):
     """See the module."""
 
     kind = "keep_clear"
-    page = ()
     slow_to_measure = True
-
-    @override
-    def lower(
-        self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[SceneRelation]:
-        raise NotImplementedError("no word is lowered to it")
 
     @override
     def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
@@ -131,32 +124,51 @@ def _entered_m2(area: BaseGeometry, outline: BaseGeometry) -> float:
 
 def _around_zone(rule: SceneRelation, mover: Mover, at: Pose2) -> list[BaseGeometry]:
     """Where in P the origin of the other thing may not lie, the owner of the space being at a pose in B."""
-    floor = mover.owner.z_m + mover.base_P_m
+    zone, floor = zone_of(rule), mover.owner.z_m + mover.base_P_m
+    c, s = cos(at.yaw_rad), sin(at.yaw_rad)
+    turn_T = np.array([[c, s], [-s, c]])
     points: list[FloatArray] = []
-    for layer in zone_of(rule).layers:
-        parts: list[FloatArray] | None = None
-        for outline, prism in zip(mover.turned.outlines, mover.turned.shape.prisms, strict=True):
-            low, high = at.z_m + layer.low_m, at.z_m + layer.high_m
-            if floor + prism.low_m < high - SLACK_M and floor + prism.high_m > low + SLACK_M:
-                parts = parts or [in_P(part, mover.owner) for part in convex_outlines(_moved(layer, at))]
-                points += [minkowski_sum_points(part, outline) for part in parts]
+    for outline, prism in zip(mover.turned.outlines, mover.turned.shape.prisms, strict=True):
+        met = _met(zone, floor + prism.low_m - at.z_m, floor + prism.high_m - at.z_m)
+        placed = [in_P(part @ turn_T + (at.x_m, at.y_m), mover.owner) for part in met]
+        points += [minkowski_sum_points(part, outline) for part in placed]
     return hulls(points)
 
 
 def _around_other(rule: SceneRelation, mover: Mover, assignment: Assignment) -> list[BaseGeometry]:
     """Where in P the origin of the owner of the space may not lie, the other thing being placed."""
-    other = assignment[rule.things[1]]
+    zone, other = zone_of(rule), assignment[rule.things[1]]
     base = pose_of(other.parent, assignment)
-    z = mover.owner.z_m + mover.base_P_m + mover.turned.shape.origin_height_m
+    rise = base.z_m - (mover.owner.z_m + mover.base_P_m + mover.turned.shape.origin_height_m)
+    c, s = cos(mover.turned.yaw_rad), sin(mover.turned.yaw_rad)
+    turn_T = np.array([[c, s], [-s, c]])
     points: list[FloatArray] = []
-    for layer in zone_of(rule).layers:
-        turned: list[FloatArray] | None = None
-        for outline, low, high in other.prisms:
-            if base.z_m + low < z + layer.high_m - SLACK_M and base.z_m + high > z + layer.low_m + SLACK_M:
-                turned = turned or convex_outlines(_transformed(layer.polygon, 0.0, 0.0, mover.turned.yaw_rad))
-                placed = in_P(shapely.get_coordinates(_in_B(outline, base))[:-1], mover.owner)
-                points += [minkowski_sum_points(placed, part) for part in turned]
+    for outline, low, high in other.prisms:
+        if met := _met(zone, rise + low, rise + high):
+            placed = in_P(shapely.get_coordinates(_in_B(outline, base))[:-1], mover.owner)
+            points += [minkowski_sum_points(placed, part @ turn_T) for part in met]
     return hulls(points)
+
+
+_MET: WeakKeyDictionary[KeepClear, dict[tuple[int, ...], list[FloatArray]]] = WeakKeyDictionary()
+
+
+def _met(zone: KeepClear, low_m: float, high_m: float) -> list[FloatArray]:
+    """Convex outlines whose union is the part of a space seen from above that has a height in common with a prism, in
+    P of its owner; those inside of others are left out. Made once for each set of layers."""
+    layers = zone.layers
+    met = tuple(
+        k for k, layer in enumerate(layers) if low_m < layer.high_m - SLACK_M and high_m > layer.low_m + SLACK_M
+    )
+    known = _MET.setdefault(zone, {})
+    if met not in known:
+        areas = sorted((layers[k].polygon for k in met), key=lambda area: -area.area)
+        outer: list[Polygon] = []
+        for area in areas:
+            if not any(other.covers(area) for other in outer):
+                outer.append(area)
+        known[met] = [outline for area in outer for outline in convex_outlines(area)]
+    return known[met]
 
 
 def _origin_z(owner: RelativePoses) -> FloatArray:

@@ -20,8 +20,8 @@ from scenec.relations.protocol import (
     Batch,
     Frames,
     Mover,
-    RelationMeaning,
     WeakerNumber,
+    WordMeaning,
     distance_relations,
     with_gap,
 )
@@ -35,7 +35,7 @@ from schemas.scene.relations import Relation, RelationWord
 DISTANCE_NORMALS = 16  # in which the origins are bounded by proofs
 
 
-class Near(RelationMeaning):
+class Near(WordMeaning):
     """See the module."""
 
     kind = "near"

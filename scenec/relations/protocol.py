@@ -105,8 +105,7 @@ class WeakerNumber:
 
 
 class RelationMeaning(ABC):
-    """The meaning of one kind of relation. `kind` is the name of its file, `page` what the language page says: a row
-    (word, arguments, when it holds) for each word.
+    """The meaning of one kind of relation; `kind` is the name of its file.
 
     frame_dependent   its direction counts in the frame that the relation names
     separable         a coordinate along its direction keeps both sides apart, so that they can be solved independently
@@ -117,22 +116,12 @@ class RelationMeaning(ABC):
     """
 
     kind: str
-    page: tuple[tuple[str, str, str], ...]
     frame_dependent: bool = False
     separable: bool = False
     lifts_to_owners: bool = False
     slow_to_measure: bool = False
     constrains_early: bool = False
     bounds_heights: bool = False
-
-    # From the program.
-
-    @abstractmethod
-    def lower(
-        self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
-    ) -> Iterator[SceneRelation]:
-        """Relations between things from the written one; `sides` are the things that each written name stands for."""
-        ...
 
     # For the solver.
 
@@ -229,6 +218,20 @@ class RelationMeaning(ABC):
     def weaker(self, rule: SceneRelation) -> Iterator[WeakerNumber]:
         """Numbers whose change makes it easier to fulfil."""
         yield from ()
+
+
+class WordMeaning(RelationMeaning):
+    """The meaning of a kind that words of the language write. `page` is what the language page says: a row (word,
+    arguments, when it holds) for each word."""
+
+    page: tuple[tuple[str, str, str], ...]
+
+    @abstractmethod
+    def lower(
+        self, written: Relation, word: RelationWord, sides: Sequence[tuple[str, ...]], frames: Frames
+    ) -> Iterator[SceneRelation]:
+        """Relations between things from the written one; `sides` are the things that each written name stands for."""
+        ...
 
 
 def with_gap(rule: SceneRelation, value: float) -> SceneRelation:

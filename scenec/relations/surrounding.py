@@ -25,8 +25,8 @@ from scenec.relations.protocol import (
     Batch,
     Frames,
     Mover,
-    RelationMeaning,
     WeakerNumber,
+    WordMeaning,
     distance_relations,
 )
 from scenec.solve import measures
@@ -47,7 +47,7 @@ FAR_SLACK_M = 10.0 * OUTLINE_SLACK_M  # an angle that the judge tolerates, at so
 Arc = tuple[float, float]  # from, to; counter-clockwise
 
 
-class Surrounding(RelationMeaning):
+class Surrounding(WordMeaning):
     """See the module."""
 
     kind = "surrounding"

@@ -142,4 +142,5 @@ def _surroundings(model: SolverModel) -> Digest:
 
 
 def _rule(rule: SceneRelation) -> bytes:
-    return repr((rule.kind, rule.things, rule.direction, rule.gap_m, rule.tolerance, rule.frame)).encode()
+    numbers = (rule.direction, rule.gap_m, rule.tolerance, rule.angle_rad)
+    return repr((rule.kind, rule.things, rule.frame, numbers)).encode()

@@ -272,7 +272,7 @@ SCENE_CODES: dict[str, CodeInfo] = {
         "error",
         "The space that a joint sweeps is not known",
         "`keep_clear` needs the swept volume of the record. It is that of the joint alone, with all others at rest: a "
-        "link that another joint moved or tilted sweeps another space.",
+        "link that another joint moved or tilted sweeps another space, and a joint of a loop moves others along.",
         "leave the joints that carry or are carried by this one at rest; ingest the asset again if its record is old",
     ),
     "scene/union-footprints": CodeInfo(

@@ -31,10 +31,11 @@ from assetkit.sources.source_file import SourceFile
 from assetkit.stage import Intake
 from schemas.mechanism import Mechanism
 from schemas.model import Model
+from tests.conftest import SHARED
 from tests.support.present import present
 
 ROOT = Path(__file__).parents[2]
-SHARED = ROOT.parent / "shared" / "data" / "assets"
+ASSETS = SHARED / "assets"
 BY_EYE = ROOT / "tests" / "data" / "joints" / "by_eye.csv"
 LEAST_AGREEMENT = 0.95
 MOST_AXIS_DEG, MOST_LIMIT = 1.0, 1e-3
@@ -45,10 +46,7 @@ TO_WORLD = {
     "gen_mjcf_degrees": {"h"},
 }
 
-pytestmark = [
-    pytest.mark.shared,
-    pytest.mark.skipif(not SHARED.is_dir(), reason="the shared data folder is absent"),
-]
+pytestmark = pytest.mark.shared
 
 
 @dataclass(frozen=True)
@@ -62,13 +60,13 @@ class TrueJoint:
 
 @cache
 def rows() -> dict[str, dict[str, str]]:
-    with (SHARED / "manifest.csv").open() as file:
+    with (ASSETS / "manifest.csv").open() as file:
         return {row["id"]: row for row in csv.DictReader(file)}
 
 
 @cache
 def truth() -> dict[str, tuple[TrueJoint, ...]]:
-    listed = json.loads((SHARED / "joints.json").read_text())
+    listed = json.loads((ASSETS / "joints.json").read_text())
     accepted = {k: v for k, v in listed.items() if rows()[k]["outcome"] != "reject" and rows()[k]["split"] == "dev"}
     return {name: tuple(_true_joints(entry)) for name, entry in accepted.items()}
 
@@ -96,7 +94,7 @@ def _true_joints(entry: str | list[dict]) -> Iterator[TrueJoint]:
 def path_of(name: str) -> tuple[Path, Path]:
     """The file of a row and the root of its asset."""
     relative = Path(rows()[name]["path"])
-    return SHARED / relative, SHARED.joinpath(*relative.parts[: 3 if "malformed" in relative.parts else 2])
+    return ASSETS / relative, ASSETS.joinpath(*relative.parts[: 3 if "malformed" in relative.parts else 2])
 
 
 @cache

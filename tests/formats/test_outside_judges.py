@@ -27,10 +27,11 @@ from geom.pose import inverse, matrix_of, pose, to_wxyz
 from schemas.diagnostics import InvalidInput
 from schemas.physics import VolumeProperties
 from schemas.robot_description import DescribedJoint, MeshReference, RobotDescription
+from tests.conftest import SHARED
 from tests.support.present import present
 
 BULLET = Path(pybullet_data.getDataPath())
-SHARED = Path(__file__).parents[3] / "shared" / "data" / "assets"
+ASSETS = SHARED / "assets"
 NUMERALS = "random_urdfs"  # a thousand files of one link and one mesh; a few stand for all
 STATES = 5
 
@@ -69,11 +70,11 @@ REFUSED_BY_ENGINE = {
 
 def urdf_files() -> list[Path]:
     files = [p for p in sorted(BULLET.rglob("*.urdf")) if NUMERALS not in p.parts or p.stem in ("000", "472")]
-    return files + sorted((SHARED / "urdf").rglob("*.urdf"))
+    return files + sorted((ASSETS / "urdf").rglob("*.urdf"))
 
 
 def mjcf_files() -> list[Path]:
-    files = [*sorted((BULLET / "mjcf").rglob("*.xml")), *sorted((SHARED / "mjcf").rglob("*.xml"))]
+    files = [*sorted((BULLET / "mjcf").rglob("*.xml")), *sorted((ASSETS / "mjcf").rglob("*.xml"))]
     return [p for p in files if b"<mujoco" in p.read_bytes()[:20_000] and b"<mujocoinclude" not in p.read_bytes()]
 
 
@@ -81,11 +82,11 @@ def root_of(path: Path) -> Path:
     """The folder that a file's references may not leave: that of its asset, or of all of pybullet_data."""
     if path.is_relative_to(BULLET):
         return BULLET
-    return SHARED / path.relative_to(SHARED).parts[0] / path.relative_to(SHARED).parts[1]
+    return ASSETS / path.relative_to(ASSETS).parts[0] / path.relative_to(ASSETS).parts[1]
 
 
 def name_of(path: Path) -> str:
-    return str(path.relative_to(BULLET if path.is_relative_to(BULLET) else SHARED))
+    return str(path.relative_to(BULLET if path.is_relative_to(BULLET) else ASSETS))
 
 
 def described(path: Path) -> RobotDescription | None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,7 +27,7 @@ from geom.pose import inverse, matrix_of, pose, to_wxyz
 from schemas.asset import AssetRecord
 from tests.support.mechanism import mujoco_usd_links
 from tests.support.mechanism.stage_poses import Poses, Positions, moving_joints, stage_poses
-from tests.support.peers import peer_python
+from tests.support.peers import answer_of
 from tests.support.present import present
 
 MECHANISMS = {
@@ -293,14 +292,8 @@ def native_answer(package: Released) -> dict:
         return ANSWERS[package.folder]
     rest = {joint["name"]: joint.get("rest_rad", joint.get("rest_m", 0.0)) for joint in package.joints}
     states = [{name: position - rest[name] for name, position in state.items()} for state in package.states]
-    request = json.dumps({"file": str(main_usd(package)), "states": states})
-    command = [str(peer_python("mujoco-usd")), "-P", mujoco_usd_links.__file__]
-    with tempfile.TemporaryDirectory() as place:  # MuJoCo keeps a log in the folder it works in.
-        done = subprocess.run(
-            command, input=request, capture_output=True, text=True, timeout=100, check=False, cwd=place
-        )
-    assert done.returncode == 0, done.stderr[-2000:]
-    ANSWERS[package.folder] = json.loads(done.stdout)
+    request = {"file": str(main_usd(package)), "states": states}
+    ANSWERS[package.folder] = answer_of("mujoco-usd", mujoco_usd_links.__file__, request, timeout_s=100)
     return ANSWERS[package.folder]
 
 

@@ -129,3 +129,37 @@ def test_a_sound_scene_is_proven_by_bounds_alone():
     wide = replace(given, relations=relaxed)
     assert not unproven(wide, stands)[upright].any()
     assert unproven(wide, stands)[~upright].all()
+
+
+def row(count: int) -> tuple[Prism, ...]:
+    """Squares of 2 cm side by side along x from 0 on, one in two missing: no hull is what they cover."""
+    square = prism(0.02, 0.02).outline_m
+    return tuple(Prism(np.add(square, (0.01 + 0.04 * k, 0.0)), 0.0, 0.05) for k in range(count))
+
+
+@pytest.mark.parametrize("gap_m", [0.0, 0.03, 0.2])
+def test_bounds_prove_most_that_is_near_and_nothing_that_is_not(gap_m: float):
+    """A row of twelve pieces, or of three, and an angle of two pieces over it, anywhere and at any heading."""
+    wide = box(-2.0, -2.0, 2.0, 2.0)
+    things = (
+        ThingRule(
+            "row",
+            (form(*row(12)), form(*row(3), stance=1)),
+            "background",
+            ScenePlace("floor", wide, np.zeros(3)),
+            Domain(orientation_indices=(0, 1)),
+        ),
+        ThingRule("ell", (form(*ell()),), "row", ScenePlace("top", wide, np.array([0.0, 0.0, 0.05]))),
+    )
+    relation = SceneRelation("near", ("row", "ell"), (1.0, 0.0), gap_m=gap_m)
+    of = SceneRules(things, np.array([0.3, -0.2, 0.0]), 0.4, 0.01, (relation,))
+    n, rng = 400, np.random.default_rng(5)
+    origin = rng.uniform(-0.3, 0.3, (n, 2, 3)) + of.origin_m
+    origin[:, :, 2] = 0.0, 0.05
+    yaw, stance = rng.uniform(-np.pi, np.pi, (n, 2)), rng.integers(0, [2, 1], (n, 2))
+    poses = BatchPoses(origin, yaw, stance, np.ones((n, 2), dtype=bool))
+    near = np.array([not check(scene_at(of, poses, k)) for k in range(n)])
+    proven = ~unproven(of, poses)
+    assert near[proven].all()
+    assert proven[near].mean() > 0.9
+    assert 20 < near.sum() < n

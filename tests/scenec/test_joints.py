@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
+from cli.scene.output import write_output
 from runtime_plan.bodies import physical_body
 from runtime_plan.consistency import find_inconsistencies
 from scene_check.batch import scene_at
@@ -23,6 +24,7 @@ from scenec.compile import Compiled, compile_program
 from scenec.emit.scene import compiled_scene
 from scenec.ir.problem import Placement, Solved
 from scenec.plan.document import plan_text
+from scenec.session import Session
 from scenec.solve import ComponentCache
 from schemas.scene.compiled import CompiledScene, PlacedObject
 from schemas.scene.program import FixedAsset
@@ -34,8 +36,10 @@ from tests.support.scene.articulated import (
     DRAWER_FLOORS_M,
     DRAWER_INSIDE_M,
     articulated_library,
+    chest,
     microwave_panels,
 )
+from usdio.reread.scene import reread_scene
 
 FLOOR = "background: {asset: {type: box, size_m: [1.8, 1.4, 0.05]}}\n"
 CUBE = "{type: box, size_m: [0.06, 0.06, 0.05]}"
@@ -224,12 +228,6 @@ def test_a_plan_and_its_bodies_are_in_the_state(library: AssetLibrary, tmp_path:
     assert places["drawer_1/inside"] == "drawer_1"
 
 
-def result_asset(name: str):
-    from schemas.scene.program import FixedAsset
-
-    return FixedAsset(type="fixed", id=name)
-
-
 def test_a_plan_whose_swept_space_has_no_owner_is_refused(oven: Compiled):
     assert oven.plan is not None
     (combination,) = oven.plan.combinations
@@ -305,6 +303,68 @@ def test_what_cannot_be_kept_clear_is_told_where_it_is_written(
     assert finding.code == code
     line = text.splitlines()[-1]
     assert (finding.where.line, finding.where.column) == (text.count("\n"), line.index(f"{path}: ") + len(path) + 3)
+
+
+def test_a_session_whose_joints_move_gives_what_a_compile_from_nothing_does(library: AssetLibrary, tmp_path: Path):
+    """Drawers are slid in and out; what is in them, and what stands before them, follows."""
+    rng, file = np.random.default_rng(3), tmp_path / "p.yaml"
+    session = Session(library.folder)
+    for _ in range(8):
+        low, high = (float(rng.choice([0.0, 0.1, 0.25])) for _ in range(2))
+        text = (
+            DRAWERS % (CUBE, f"drawer_1: {low}, drawer_2: {high}") + "keep_clear: [{object: unit, joint: drawer_2}]\n"
+        )
+        file.write_text(text)
+        warm = session.compile(file)
+        assert warm.report.verdict == "compiled", warm.report.diagnostics
+        (problem,), (result,), (scene,) = warm.problems, warm.results, warm.scenes
+        assert isinstance(result, Solved)
+        assert violations(problem, result.placements) == ()
+        assert scene == compiled_scene(problem, result.placements, 0)
+        unit = placed(scene, "unit")
+        assert unit.joints == {"drawer_1": low, "drawer_2": high}
+        for name, at in (("a", low), ("b", high)):
+            for outline, _, _ in in_frame_of(unit, placed(scene, name)):
+                assert np.all(np.abs(outline[:, 0] - at) <= DRAWER_INSIDE_M[0] / 2 + 1e-6)
+
+
+COPIES = FLOOR.replace("1.8, 1.4", "2.6, 2.2") + (
+    "anchors: {floor: {object: background}}\n"
+    "objects: [{id: oven, asset: microwave}, {id: cube, asset: %s}]\n"
+    "layout:\n  nodes:\n    stove: {object: oven}\n    cube: {object: cube}\n"
+    "  groups: {all: {type: scatter, members: [stove, cube], surface: floor, count: 2}}\n"
+    "keep_clear: [{object: %s, joint: door}]\n"
+)
+
+
+def test_a_joint_of_one_copy_can_be_kept_clear(library: AssetLibrary, tmp_path: Path):
+    result = compiled(COPIES % (CUBE, "stove-2"), tmp_path, library)
+    assert result.report.verdict == "compiled", result.report.diagnostics
+    assert [space.owner for space in result.scenes[0].keep_clear] == ["stove-2"]
+    (finding,) = compiled(COPIES % (CUBE, "cube-2"), tmp_path, library).report.diagnostics
+    assert finding.code == "scene/unknown-joint"
+    wrong = (COPIES % (CUBE, "stove-2")).replace("joint: door", "joint: dor")
+    assert [d.code for d in compiled(wrong, tmp_path, library).report.diagnostics] == ["scene/unknown-joint"]
+
+
+def test_the_written_scene_is_in_the_state_that_was_compiled(tmp_path: Path):
+    """The coupling takes the latch 2 cm down although every joint is left out; a reader of the scene finds it there."""
+    chest(tmp_path / "library", "latched", latch_offset_m=0.02)
+    library = AssetLibrary(tmp_path / "library")
+    text = FLOOR + (
+        "anchors: {floor: {object: background}}\nobjects: [{id: box, asset: latched}]\n"
+        "layout: {nodes: {box: {object: box, placement: {type: surface, surface: floor, ranges: {yaw: [0, 0]}}}}}\n"
+    )
+    result = compiled(text, tmp_path, library, diversity=0.05)
+    report = write_output(result, library.folder, tmp_path / "out")
+    compiled_lows = sorted(prism.low_m for prism in placed(result.scenes[0], "box").prisms)
+    (box,) = [body for body in reread_scene(tmp_path / "out" / str(report.scene)) if body.name == "box"]
+    written = [shape.X_AS[2, 3] - shape.size_m[2] / 2 + box.X_WA[2, 3] for shape in box.body.shapes]
+    assert sorted(written) == pytest.approx(compiled_lows, abs=1e-5)
+    assert result.plan is not None
+    body = next(body for body in result.plan.bodies if body.asset_id == "latched")
+    simulated = [s.X_AS[2, 3] - s.size_m[2] / 2 for s in physical_body(body, library.folder).body.shapes]
+    assert sorted(simulated) == pytest.approx(sorted(prism.low_m for prism in body.stances[0].prisms), abs=1e-5)
 
 
 def test_a_joint_beyond_its_limits_is_told_where_it_is_written(library: AssetLibrary, tmp_path: Path):

@@ -126,3 +126,31 @@ def test_every_scene_of_a_session_is_what_judge_and_emitter_make_of_it_from_noth
             assert violations(problem, result.placements) == ()
             assert scene == compiled_scene(problem, result.placements, 0)
     assert verdicts == {"compiled", "infeasible"}
+
+
+AROUND = """
+background: {{asset: {{type: box, size_m: [1.2, 0.9, 0.04]}}}}
+anchors: {{top: {{object: background, surface: auto}}}}
+objects:
+  - {{id: pot, asset: {{type: cylinder, radius_m: 0.05, height_m: 0.1}}}}
+  - {{id: cube, asset: {{type: box, size_m: [0.05, 0.05, 0.05]}}}}
+layout:
+  nodes:
+    pot: {{object: pot, placement: {{type: surface, surface: top}}}}
+    a: {{object: cube}}
+    b: {{object: cube}}
+    c: {{object: cube}}
+  groups: {{cubes: {{type: region, members: [a, b, c], surface: top}}}}
+relations: [{{surrounding: [pot, a, b, c], least_angle_deg: {angle}}}]
+"""
+
+
+def test_a_changed_angle_is_no_edit_that_the_cache_overlooks(tmp_path: Path):
+    file, session = tmp_path / "p.yaml", Session()
+    for angle in (10, 100, 115):
+        file.write_text(AROUND.format(angle=angle))
+        compiled = session.compile(file)
+        assert compiled.report.verdict == "compiled"
+        (problem,), (result,) = compiled.problems, compiled.results
+        assert isinstance(result, Solved)
+        assert violations(problem, result.placements) == ()

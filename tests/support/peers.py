@@ -6,8 +6,12 @@
 
 from __future__ import annotations
 
+import json
 import os
+import subprocess
+import tempfile
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[2]
 ENVIRONMENTS = {"mujoco-usd": ROOT / ".venv-mujoco-usd", "torch": ROOT / ".venv-torch"}
@@ -22,3 +26,22 @@ def peer_python(name: str) -> Path:
         absent = f"the environment of {name} is not installed: `make peers` brings it"
         pytest.fail(absent) if os.environ.get("CI") else pytest.skip(absent)
     return python
+
+
+def answer_of(name: str, script: str, request: object, timeout_s: float) -> Any:
+    """The JSON answer of a script that a peer's interpreter runs, with a JSON request on stdin.
+
+    It works in a folder of its own, since MuJoCo leaves a log where it works. Raises AssertionError where it fails.
+    """
+    with tempfile.TemporaryDirectory() as place:
+        done = subprocess.run(
+            [str(peer_python(name)), "-P", script],
+            input=json.dumps(request),
+            capture_output=True,
+            text=True,
+            timeout=timeout_s,
+            check=False,
+            cwd=place,
+        )
+    assert done.returncode == 0, done.stderr[-2000:]
+    return json.loads(done.stdout)

@@ -12,16 +12,36 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics
 
 from geom.mass.principal_axes import inertia_from_principal
-from geom.pose import apply, shortest_rotation
+from geom.mechanism_pose import link_frames
+from geom.pose import apply, pose, shortest_rotation
 from schemas.arrays import FloatArray, IntArray
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.mechanism import Mechanism
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 from usdio.contact_material import bound_contact_material
-from usdio.reread.mechanism import filtered_pairs, held, reread_mechanism
+from usdio.reread.mechanism import filtered_pairs, reread_mechanism
+from usdio.reread.one_body import one_body
 from usdio.stage import open_stage
 
 _AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
+
+
+@dataclass(frozen=True)
+class Linkage:
+    """An articulated package: `mechanism` in the asset frame, `links` its bodies in their own frames, in its order."""
+
+    name: str
+    mechanism: Mechanism
+    links: tuple[RigidBody, ...]
+
+    def held(self, positions: Mapping[str, float] | None = None) -> RigidBody:
+        """The object as one rigid body in the asset frame, its joints held at `positions` (m, rad; those without one
+        follow another joint or are at rest); without any it is as at rest."""
+        if positions:
+            frames = link_frames(self.mechanism, positions)
+        else:
+            frames = {link.name: pose(None, link.origin) for link in self.mechanism.links}
+        return one_body(self.name, [(body, frames[body.name]) for body in self.links])
 
 
 @dataclass(frozen=True)
@@ -29,18 +49,27 @@ class RereadPackage:
     """One package as its USD files hold it, in the asset frame, metres and kilograms.
 
     `shape_contacts` has the contact of each shape of `body`; `visual_points` (n, 3) float64 and `visual_triangles`
-    (m, 3) int32 are all rendered meshes merged. Of an articulated object `mechanism` has the joints, `links` the bodies
-    of its links, each in its own frame, in the same order, `filtered_pairs` links that do not collide beside those that
-    a joint connects; `body` is then the object with its joints held at rest.
+    (m, 3) int32 are all rendered meshes merged. Of an articulated object `linkage` has the joints and the bodies of its
+    links, `filtered_pairs` links that do not collide beside those that a joint connects; `body` is then the object with
+    its joints held at rest.
     """
 
     body: RigidBody
     shape_contacts: tuple[Contact, ...]
     visual_points: FloatArray
     visual_triangles: IntArray
-    mechanism: Mechanism | None = None
-    links: tuple[RigidBody, ...] = ()
+    linkage: Linkage | None = None
     filtered_pairs: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def mechanism(self) -> Mechanism | None:
+        """The joints of an articulated object."""
+        return None if self.linkage is None else self.linkage.mechanism
+
+    @property
+    def links(self) -> tuple[RigidBody, ...]:
+        """The bodies of the links of an articulated object, each in its own frame, in the order of the mechanism."""
+        return () if self.linkage is None else self.linkage.links
 
     @property
     def bodies(self) -> tuple[RigidBody, ...]:
@@ -56,22 +85,7 @@ def reread_package(main_file: Path) -> RereadPackage:
         return RereadPackage(body_of(prim, main_file), _shape_contacts(prim, main_file), *_visual(stage))
     linkage, ordered = _linkage(stage, main_file)
     contacts = tuple(c for prim in ordered for c in _shape_contacts(prim, main_file))
-    return RereadPackage(
-        linkage.held(), contacts, *_visual(stage), linkage.mechanism, linkage.links, filtered_pairs(ordered)
-    )
-
-
-@dataclass(frozen=True)
-class Linkage:
-    """An articulated package: `mechanism` in the asset frame, `links` its bodies in their own frames, in its order."""
-
-    name: str
-    mechanism: Mechanism
-    links: tuple[RigidBody, ...]
-
-    def held(self, positions: Mapping[str, float] | None = None) -> RigidBody:
-        """The object as one rigid body in the asset frame, its joints held at `positions` (m, rad), else at rest."""
-        return held(self.name, self.links, self.mechanism, positions)
+    return RereadPackage(linkage.held(), contacts, *_visual(stage), linkage, filtered_pairs(ordered))
 
 
 def reread_linkage(main_file: Path) -> Linkage:

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
-from geom.convex.placement import moved_shape
-from geom.mass.inertia import combine, moved
-from geom.mechanism_pose import link_frames
 from geom.pose import inverse, matrix_of, pose
 from schemas.arrays import FloatArray
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.mechanism import JointCoupling, Mechanism, MechanismJoint, MechanismJointKind, MechanismLink
-from schemas.physics import RigidBody
 from usdio.joint_frames import AXES, joint_position
 from usdio.joint_names import ARMATURE, FRICTION, LEADER, MULTIPLIER, OFFSET, SPEED
 
@@ -44,23 +39,6 @@ def reread_mechanism(stage: Usd.Stage, bodies: list[Usd.Prim], main_file: Path) 
     if len(order) != len(frames):
         raise _invalid("links that no joint carries", main_file)
     return Mechanism(tuple(MechanismLink(name, frames[name][:3, 3]) for name in order), joints)
-
-
-def held(
-    name: str, bodies: tuple[RigidBody, ...], mechanism: Mechanism, positions: Mapping[str, float] | None = None
-) -> RigidBody:
-    """The object as one rigid body in the asset frame while nothing moves; contact is that of the heaviest link.
-
-    Joints are held at `positions` (m, rad) by name; those without one follow another joint or are at rest.
-    """
-    if positions:
-        frames = link_frames(mechanism, positions)
-    else:
-        frames = {link.name: pose(None, link.origin) for link in mechanism.links}
-    shapes = [moved_shape(shape, frames[body.name]) for body in bodies for shape in body.shapes]
-    mass = combine([moved(body.mass, frames[body.name]) for body in bodies])
-    heaviest = max(bodies, key=lambda body: body.mass.mass_kg)
-    return RigidBody(name, tuple(shapes), mass, heaviest.contact)
 
 
 def filtered_pairs(bodies: list[Usd.Prim]) -> tuple[tuple[str, str], ...]:

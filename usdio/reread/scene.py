@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdPhysics
 
-from geom.convex.placement import moved_shape
 from geom.convex.scaling import scaled_body
-from geom.mass.inertia import combine, moved
 from schemas.arrays import FloatArray
 from schemas.physics import MassProperties, RigidBody
 from usdio.read.gprim_placement import column_matrix
 from usdio.reread.body import body_of, contact_of, pose_in, shapes_of
+from usdio.reread.one_body import one_body
 from usdio.stage import open_stage
 
 BACKGROUND = "/World/Background"
@@ -52,7 +50,7 @@ def _scene_body(prim: Usd.Prim, file: Path) -> SceneBody:
     X_WA[:3, :3] /= scale
     links = [link for link in prim.GetChildren() if link.HasAPI(UsdPhysics.RigidBodyAPI)]
     if links:
-        held = _held(prim, links, file)
+        held = one_body(_name(prim), [(body_of(link, file), pose_in(link, prim)) for link in links])
         return SceneBody(held.name, scaled_body(held, scale), X_WA, prim.GetPath() != BACKGROUND)
     enabled = prim.HasAPI(UsdPhysics.RigidBodyAPI) and UsdPhysics.RigidBodyAPI(prim).GetRigidBodyEnabledAttr().Get()
     name = _name(prim)
@@ -60,15 +58,6 @@ def _scene_body(prim: Usd.Prim, file: Path) -> SceneBody:
         body_of(prim, file) if enabled else RigidBody(name, shapes_of(prim, file), _STATIC_MASS, contact_of(prim, file))
     )
     return SceneBody(name, scaled_body(body, scale), X_WA, bool(enabled))
-
-
-def _held(prim: Usd.Prim, links: Sequence[Usd.Prim], file: Path) -> RigidBody:
-    """The links as one rigid body in the frame of their parent; contact is that of the heaviest link."""
-    bodies = [(body_of(link, file), pose_in(link, prim)) for link in links]
-    shapes = [moved_shape(shape, X_AL) for body, X_AL in bodies for shape in body.shapes]
-    mass = combine([moved(body.mass, X_AL) for body, X_AL in bodies])
-    heaviest = max((body for body, _ in bodies), key=lambda body: body.mass.mass_kg)
-    return RigidBody(_name(prim), tuple(shapes), mass, heaviest.contact)
 
 
 def _name(prim: Usd.Prim) -> str:

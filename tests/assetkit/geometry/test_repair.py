@@ -15,9 +15,10 @@ from assetkit.readers.by_format import MESH_FILES, READERS
 from assetkit.sources.source_file import SourceFile
 from geom.solid.solidify import solidify
 from schemas.codes import CODES
+from tests.conftest import SHARED
 from tests.support.sample_surfaces import ball, box, cylinder, inside_out, lidless, mesh_of, together, without
 
-ASSETS = Path(__file__).parents[3].parent / "shared" / "data" / "assets"
+ASSETS = SHARED / "assets"
 GEOMETRY_REPAIRS = {
     *("degenerate_faces", "flip_winding", "non_manifold_vertex", "non_manifold_edge", "duplicate_shell"),
     *("hole_fill", "self_intersection", "open_shell_keep_cavity"),
@@ -181,7 +182,6 @@ def corpus() -> list[dict[str, str]]:
 
 
 @pytest.mark.shared
-@pytest.mark.skipif(not ASSETS.is_dir(), reason="the shared data folder is absent")
 @pytest.mark.parametrize("row", corpus(), ids=lambda row: row["id"])
 def test_corpus(row: dict[str, str]) -> None:
     path = ASSETS / row["path"]

@@ -26,8 +26,6 @@ from schemas.stated_physics import StatedMass
 from tests.support.package_samples import box_mesh, hull_shape
 from tests.support.present import present
 
-DATA = Path(__file__).parents[3].parent / "shared" / "data"
-
 
 def solid_of(body: Manifold) -> Solid:
     mesh = body.to_mesh64()
@@ -174,9 +172,8 @@ def test_a_feather_is_not_clamped(tmp_path):
 
 
 @pytest.mark.shared
-@pytest.mark.skipif(not DATA.is_dir(), reason="the shared data folder is absent")
-def test_a_scanned_pan_keeps_its_inside(tmp_path):
-    mesh = trimesh.load_mesh(next((DATA / "assets" / "obj" / "gso_frypan_obj").rglob("*.obj")), process=False)
+def test_a_scanned_pan_keeps_its_inside(shared_assets: Path, tmp_path: Path) -> None:
+    mesh = trimesh.load_mesh(next((shared_assets / "obj" / "gso_frypan_obj").rglob("*.obj")), process=False)
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     solid = Solid(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int32), "closed")
     cavities = find_cavities(solid)

@@ -14,9 +14,6 @@ from assetkit.sources.source_file import SourceFile
 from schemas.diagnostics import InvalidInput
 from tests.support.usd_files import model_of, read, rejection, write
 
-SHARED = Path(__file__).parents[3].parent / "shared" / "data" / "assets"
-
-
 # Unit, axis, default prim.
 
 
@@ -128,22 +125,15 @@ def test_joints_between_bodies_are_named(tmp_path: Path) -> None:
     assert read(write(tmp_path, fixed)).diagnostics == ()
 
 
-def shared_rows() -> list[dict[str, str]]:
-    if not SHARED.is_dir():
-        return []
-    with (SHARED / "manifest.csv").open() as file:
-        return [row for row in csv.DictReader(file) if row["format"] in ("usd", "usdz")]
-
-
 @pytest.mark.shared
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared data folder is absent")
-def test_shared_assets_end_as_the_manifest_says() -> None:
-    rows = shared_rows()
+def test_shared_assets_end_as_the_manifest_says(shared_assets: Path) -> None:
+    with (shared_assets / "manifest.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["format"] in ("usd", "usdz")]
     assert len(rows) > 20
     for row in rows:
-        path = SHARED / row["path"]
+        path = shared_assets / row["path"]
         depth = 3 if row["path"].startswith("malformed") else 2
-        source = SourceFile(path, SHARED.joinpath(*Path(row["path"]).parts[:depth]))
+        source = SourceFile(path, shared_assets.joinpath(*Path(row["path"]).parts[:depth]))
         if row["outcome"] == "reject":
             with pytest.raises(InvalidInput) as caught:
                 read_usd(source)
@@ -162,9 +152,8 @@ def test_shared_assets_end_as_the_manifest_says() -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared data folder is absent")
-def test_reading_twice_gives_the_same_model() -> None:
-    path = SHARED / "usd" / "uwg_teapot" / "Teapot.usd"
+def test_reading_twice_gives_the_same_model(shared_assets: Path) -> None:
+    path = shared_assets / "usd" / "uwg_teapot" / "Teapot.usd"
     first, second = (read_usd(SourceFile(path, path.parent)).value for _ in range(2))
     assert first is not None
     assert second is not None

@@ -18,7 +18,6 @@ from tests.support.present import present
 
 BODIES = 10_000
 MOST_CPU_S = 10.0  # ten thousand bodies take about 1.5 s; quadratic time would be minutes
-SHARED = Path(__file__).parents[4] / "shared" / "data" / "assets"
 
 
 @pytest.mark.parametrize("shape", ["chain", "star"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from scenec.bind.joint_states import JointState, joint_state
@@ -51,6 +52,25 @@ def test_names_of_the_source_are_known(mechanisms: dict[str, Mechanism]):
     renamed = replace(slides, joints=tuple(replace(joint, source_name=f"{joint.name} (1)") for joint in slides.joints))
     state, findings = joint_state("thing", renamed, {"drawer_2 (1)": 0.1})
     assert (state, findings) == ((("drawer_2", 0.1),), ())
+
+
+def test_a_name_of_its_own_comes_before_one_of_the_source(mechanisms: dict[str, Mechanism]):
+    """`a.b` and `a_b` of a source become `a_b` and `a_b_1`; the first of them is what `a_b` means in a package."""
+    slides = mechanisms["drawer_unit"]
+    first, second = slides.joints
+    both = (replace(first, name="a_b_1", source_name="a_b"), replace(second, name="a_b", source_name="a.b"))
+    assert state_of(replace(slides, joints=both), a_b=0.1) == (("a_b", 0.1),)
+
+
+def test_many_turns_in_single_precision_are_still_the_limit(mechanisms: dict[str, Mechanism]):
+    """A valve of sixteen turns: 105 rad become 6016.056 degrees in float32, which are 3.6 urad less."""
+    oven = mechanisms["microwave"]
+    door, turn = oven.joints
+    limit = math.radians(float(np.float32(math.degrees(105.0))))
+    assert limit < 105.0 - 1e-6
+    valve = replace(oven, joints=(door, replace(turn, kind="revolute", limits=(0.0, limit))))
+    assert state_of(valve, turn=105.0) == (("turn", limit),)
+    assert finding_of(valve, turn=-0.001)[1].code == "scene/joint-range"
 
 
 @pytest.mark.parametrize("limit", [0.0, 0.25])

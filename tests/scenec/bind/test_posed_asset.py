@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -13,17 +14,19 @@ import shapely
 from geom.pose import pose
 from scenec.bind.asset_library import AssetLibrary
 from scenec.bind.joint_states import JointState, joint_state
-from scenec.bind.posed_asset import beyond_feet_m
-from schemas.anchors import SupportSurface
-from schemas.articulation import SweptVolume
+from scenec.bind.posed_asset import PosedAsset, beyond_feet_m
+from scenec.bind.swept_space import swept_space
+from schemas.anchors import AnchorPolygon, SupportSurface
+from schemas.articulation import SweptPrism, SweptVolume
 from schemas.diagnostics import InvalidInput
-from schemas.mechanism import Mechanism, MechanismJoint
+from schemas.mechanism import JointCoupling, Mechanism, MechanismJoint, MechanismLink
 from schemas.physics import CollisionShape
 from schemas.scene.program import FixedAsset
 from tests.support.scene.articulated import (
     DOOR_LIMITS_RAD,
     DRAWER_TRAVEL_M,
     articulated_library,
+    chest,
     surface_of,
 )
 from usdio.reread.body import Linkage
@@ -176,7 +179,7 @@ def test_a_dense_sweep_lies_in_the_space_kept_clear(
 ):
     posed = library.geometry(asset(name)).posed
     assert posed is not None
-    links, layers = posed.keep_clear(joint)
+    links, layers = swept_space(posed, joint)
     assert links == (joint,)
     shapes = next(link.shapes for link in posed.linkage.links if link.name == joint)
     origin = next(link.origin for link in posed.linkage.mechanism.links if link.name == joint)
@@ -194,13 +197,68 @@ def test_a_dense_sweep_lies_in_the_space_kept_clear(
 def test_a_swept_space_needs_the_other_joints_of_its_chain_at_rest(library: AssetLibrary):
     turned = library.geometry(asset("microwave"), state=(("turn", 1.0),)).posed
     assert turned is not None
-    assert turned.keep_clear("door")[0] == ("door",)  # the plate is beside the door
+    assert swept_space(turned, "door")[0] == ("door",)  # the plate is beside the door
     tilted = library.geometry(asset("chest"), state=(("lid", 0.5),)).posed
     assert tilted is not None
     with pytest.raises(InvalidInput, match="sweeps is not known"):
-        tilted.keep_clear("lid")
+        swept_space(tilted, "lid")
     with pytest.raises(InvalidInput, match="no collision shape"):
-        turned.keep_clear("turn")
+        swept_space(turned, "turn")
+
+
+def posed_slides(*joints: MechanismJoint, state: JointState, swept: str) -> PosedAsset:
+    """Slides along x between links that the joints name, one of them with a swept volume of a cube of 1 dm at 0."""
+    links = tuple(dict.fromkeys(name for joint in joints for name in (joint.parent, joint.child)))
+    square = AnchorPolygon(outline_m=((0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.0, 0.1)))
+    volume = SweptVolume(prisms=(SweptPrism(polygon=square, low_m=0.0, high_m=0.1),), volume_m3=1e-3)
+    mechanism = Mechanism(tuple(MechanismLink(name, np.zeros(3)) for name in links), joints)
+    return PosedAsset("slides", Linkage("slides", mechanism, ()), state, {swept: volume})
+
+
+def slide(name: str, parent: str, leader: str | None = None, rest: float = 0.0) -> MechanismJoint:
+    coupling = None if leader is None else JointCoupling(leader)
+    limits = (0.0, 1.0)
+    return MechanismJoint(name, "prismatic", parent, name, np.zeros(3), np.eye(3)[0], rest, limits, coupling=coupling)
+
+
+def test_a_joint_written_at_rest_is_at_rest():
+    """A rest of 0.1 m is 0.10000000149 m in the single precision of a package."""
+    inner = slide("inner", "outer", rest=float(np.float32(0.1)))
+    posed = posed_slides(slide("outer", "case"), inner, state=(("inner", 0.1),), swept="outer")
+    links, (layer,) = swept_space(posed, "outer")
+    assert links == ("outer", "inner")
+    assert layer.polygon.bounds == (0.0, 0.0, 0.1, 0.1)
+
+
+def test_a_swept_space_moves_with_what_carries_its_joint():
+    joints = slide("tray", "case"), slide("lid", "tray"), slide("latch", "tray", "lid")
+    _, (layer,) = swept_space(posed_slides(*joints, state=(("tray", 0.3),), swept="lid"), "lid")
+    assert layer.polygon.bounds == pytest.approx((0.3, 0.0, 0.4, 0.1))
+
+
+def test_followers_on_a_link_that_has_moved_elsewhere_sweep_an_unknown_space():
+    """`latch` follows `lid` but is on `tray`: with the tray out, its part of the recorded space is elsewhere."""
+    joints = slide("lid", "case"), slide("tray", "case"), slide("latch", "tray", "lid")
+    assert swept_space(posed_slides(*joints, state=(("lid", 0.5),), swept="lid"), "lid")[0] == ("lid", "latch")
+    with pytest.raises(InvalidInput, match="`latch`, which follows it, is on `tray`"):
+        swept_space(posed_slides(*joints, state=(("tray", 0.3),), swept="lid"), "lid")
+
+
+def test_a_joint_of_a_loop_sweeps_an_unknown_space(library: AssetLibrary):
+    """The record takes the other joints to be at rest, which they cannot be while one joint of the loop moves."""
+    posed = library.geometry(asset("four_bar")).posed
+    assert posed is not None
+    volume = posed_slides(slide("a", "b"), state=(), swept="left").swept
+    with pytest.raises(InvalidInput, match="`closing` closes a loop"):
+        swept_space(replace(posed, swept=volume), "left")
+
+
+def test_a_follower_whose_coupling_has_an_offset_is_where_its_positions_say(tmp_path: Path):
+    chest(tmp_path, "latched", latch_offset_m=0.02)
+    geometry = AssetLibrary(tmp_path).geometry(asset("latched"))
+    assert dict(geometry.joints) == {"lid": 0.0, "latch": pytest.approx(0.02)}
+    latch = next(shape for shape in geometry.shapes if shape.size_m == pytest.approx((0.01, 0.04, 0.03)))
+    assert latch.X_AS[2, 3] == pytest.approx(0.15 - 0.02, abs=1e-6)  # it slides down
 
 
 def test_what_tips_over_is_found(library: AssetLibrary):
@@ -218,7 +276,7 @@ def test_a_record_that_does_not_fit_its_package_is_told(library: AssetLibrary):
     assert posed is not None
     empty = replace(posed, swept={"door": SweptVolume(prisms=(), volume_m3=0.0)})
     with pytest.raises(InvalidInput, match="an empty one"):
-        empty.keep_clear("door")
+        swept_space(empty, "door")
     surface = SupportSurface.model_validate(surface_of("x", (0.0, 0.0, 0.1), (0.1, 0.1), "hatch"))
     with pytest.raises(InvalidInput, match="names a link `hatch`"):
         posed.anchor(surface)

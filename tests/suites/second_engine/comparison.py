@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -27,7 +24,7 @@ from sim.port import DropSettings, natural_time_s, pair_value, stillness_for, wo
 from tests.suites.second_engine import mujoco_drops
 from tests.suites.second_engine.mujoco_drops import Ground
 from tests.suites.second_engine.supports import is_curved, pose_classes, symmetry_axes, tilt_between
-from tests.support.peers import peer_python
+from tests.support.peers import answer_of
 from usdio.reread.body import reread_body
 
 GAP_M = 0.005
@@ -119,13 +116,7 @@ def ask_mujoco_usd(packages: Sequence[Package], starts: Sequence[Sequence[FloatA
         {"file": str(p.usd), "poses_WA": _poses(s), "ground": asdict(ground_of(p.body))}
         for p, s in zip(packages, starts, strict=True)
     ]
-    command = [str(peer_python("mujoco-usd")), "-P", mujoco_drops.__file__]
-    with tempfile.TemporaryDirectory() as place:  # MuJoCo keeps a log in the folder it works in.
-        done = subprocess.run(
-            command, input=json.dumps(request), capture_output=True, text=True, timeout=300, check=False, cwd=place
-        )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+    return answer_of("mujoco-usd", mujoco_drops.__file__, request, timeout_s=300)
 
 
 def in_mujoco_usd(package: Package, answer: dict[str, Any]) -> list[Rest]:

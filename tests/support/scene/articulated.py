@@ -138,8 +138,11 @@ def microwave(library: Path) -> None:
 LID_HINGE_M = np.array([-0.15, 0.0, 0.2])
 
 
-def chest(library: Path) -> None:
-    """`chest`: `lid` tilts back, `latch` follows it by 1 cm a radian; surface `lid/top` and volume `body/inside`."""
+def chest(library: Path, asset_id: str = "chest", latch_offset_m: float = 0.0) -> None:
+    """`chest`: `lid` tilts back, `latch` follows it by 1 cm a radian; surface `lid/top` and volume `body/inside`.
+
+    With `latch_offset_m` the coupling takes the latch elsewhere than it is drawn, also while the lid is shut.
+    """
     panels = [
         Panel("body", (0.3, 0.4, 0.02), (0.0, 0.0, 0.01)),
         Panel("body", (0.02, 0.4, 0.18), (-0.14, 0.0, 0.11)),
@@ -152,14 +155,14 @@ def chest(library: Path) -> None:
     lid = MechanismJoint("lid", "revolute", "body", "lid", LID_HINGE_M, -Y, limits=(0.0, 1.9))
     latch = MechanismJoint(
         "latch", "prismatic", "body", "latch", np.array([0.156, 0.0, 0.15]), -Z, limits=(0.0, 0.03),
-        coupling=JointCoupling("lid", 0.01),
+        coupling=JointCoupling("lid", 0.01, latch_offset_m),
     )  # fmt: skip
     anchors = [
         surface_of("lid/top", (0.0, 0.0, 0.22), (0.3, 0.4), "lid"),
         _volume("body/inside", (0.0, 0.0, 0.02), (0.26, 0.36, 0.18)),
     ]
     mechanism = Mechanism((_link("body"), _link("lid", LID_HINGE_M), _link("latch", latch.anchor)), (lid, latch))
-    package(library, "chest", panels, mechanism, anchors, [])
+    package(library, asset_id, panels, mechanism, anchors, [])
 
 
 def four_bar(library: Path) -> None:

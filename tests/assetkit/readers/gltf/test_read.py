@@ -19,11 +19,11 @@ from assetkit.sources.source_file import SourceFile
 from schemas.diagnostics import InvalidInput, Severity
 from schemas.model import Mesh
 from schemas.outcome import Outcome
+from tests.conftest import SHARED
 from tests.support.gltf_files import POINTS, GltfFile, read, tetrahedron
 
-SHARED = Path(__file__).parents[4].parent / "shared" / "data" / "assets"
+ASSETS = SHARED / "assets"
 shared = pytest.mark.shared
-without_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="the shared data folder is absent")
 
 
 # The rest of the model.
@@ -113,15 +113,15 @@ def test_any_damaged_glb_is_an_outcome_or_a_finding(edits, length):
 
 
 def rows() -> list[dict[str, str]]:
-    if not SHARED.is_dir():
+    if not ASSETS.is_dir():
         return []
-    with (SHARED / "manifest.csv").open(newline="") as file:
+    with (ASSETS / "manifest.csv").open(newline="") as file:
         return [row for row in csv.DictReader(file) if row["path"].endswith((".glb", ".gltf"))]
 
 
 def asset_root(path: str) -> Path:
     parts = Path(path).parts
-    return SHARED.joinpath(*parts[: 3 if parts[0] == "malformed" else 2])
+    return ASSETS.joinpath(*parts[: 3 if parts[0] == "malformed" else 2])
 
 
 def _is_sparse(document: dict) -> bool:
@@ -134,19 +134,17 @@ def _document(path: Path) -> dict:
 
 
 @shared
-@without_shared
 @pytest.mark.parametrize("row", [r for r in rows() if r["outcome"] == "reject"], ids=lambda r: r["id"])
 def test_bad_files_are_refused_for_their_reason(row):
     with pytest.raises(InvalidInput) as caught:
-        read_gltf(SourceFile(SHARED / row["path"], asset_root(row["path"])))
+        read_gltf(SourceFile(ASSETS / row["path"], asset_root(row["path"])))
     assert caught.value.diagnostic.code == "asset/" + row["reason"].replace("_", "-")
 
 
 @shared
-@without_shared
 @pytest.mark.parametrize("row", [r for r in rows() if r["outcome"] != "reject"], ids=lambda r: r["id"])
 def test_good_files_are_read_at_their_size(row):
-    path = SHARED / row["path"]
+    path = ASSETS / row["path"]
     outcome = read_gltf(SourceFile(path, asset_root(row["path"])))
     assert not outcome.failed
     assert outcome.value is not None
@@ -159,17 +157,16 @@ def test_good_files_are_read_at_their_size(row):
 
 def _trimesh_reads(row) -> bool:
     """What trimesh does not decode, stumbles over or takes 12 s for is left out."""
-    document = _document(SHARED / row["path"])
+    document = _document(ASSETS / row["path"])
     return not (_is_sparse(document) or document.get("extensionsRequired") or len(document["nodes"]) > 100)
 
 
 @shared
-@without_shared
 @pytest.mark.parametrize(
     "row", [r for r in rows() if r["outcome"] == "accept" and _trimesh_reads(r)], ids=lambda r: r["id"]
 )
 def test_good_files_agree_with_an_independent_reader(row):
-    path = SHARED / row["path"]
+    path = ASSETS / row["path"]
     outcome = read_gltf(SourceFile(path, asset_root(row["path"])))
     assert outcome.value is not None
     points = np.concatenate([m.points for m in outcome.value.meshes])

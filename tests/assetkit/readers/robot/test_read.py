@@ -20,7 +20,6 @@ from schemas.outcome import Outcome
 from tests.support.bad_inputs.robot import inertial, joint, link, mjcf, shape, urdf, write
 from tests.support.present import present
 
-SHARED = Path(__file__).parents[5] / "shared" / "data" / "assets"
 BOX = shape('<box size="2 1 1"/>')
 LIMIT = '<limit lower="{}" upper="{}"/>'
 
@@ -179,18 +178,17 @@ def truth_of(entry: str | list[dict]) -> dict[str, tuple[str, tuple[float, float
 
 
 @pytest.mark.shared
-@pytest.mark.skipif(not SHARED.is_dir(), reason="the shared data folder is absent")
-def test_joints_of_the_shared_files_are_those_of_the_list() -> None:
-    listed = json.loads((SHARED / "joints.json").read_text())
-    with (SHARED / "manifest.csv").open() as file:
+def test_joints_of_the_shared_files_are_those_of_the_list(shared_assets: Path) -> None:
+    listed = json.loads((shared_assets / "joints.json").read_text())
+    with (shared_assets / "manifest.csv").open() as file:
         rows = {row["id"]: row for row in csv.DictReader(file)}
     compared = 0
     for name, entry in listed.items():
         row = rows[name]
         if row["outcome"] == "reject" or row["format"] not in ("urdf", "mjcf", "usd"):
             continue
-        path = SHARED / row["path"]
-        root = SHARED.joinpath(*Path(row["path"]).parts[: 3 if "malformed" in row["path"] else 2])
+        path = shared_assets / row["path"]
+        root = shared_assets.joinpath(*Path(row["path"]).parts[: 3 if "malformed" in row["path"] else 2])
         mechanism = present(READERS[row["format"]](SourceFile(path, root)).value).mechanism
         ours = {j.source_name: j for j in mechanism.joints} if mechanism is not None else {}
         truth = {k: v for k, v in truth_of(entry).items() if k not in BASE_JOINTS.get(name, ())}
