@@ -12,7 +12,7 @@ OBJECT = "object"  # what is measured of every object: frame, colliders, mass, s
 
 
 class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True)
+    model_config = ConfigDict(frozen=True, ser_json_inf_nan="strings")
 
 
 class AcceptanceRequest(_Model):

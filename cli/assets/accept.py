@@ -70,7 +70,7 @@ def accept_command(
         if not as_json:
             _show(file, report)
     if as_json:
-        print(json.dumps({name: report.model_dump(mode="json") for name, report in reports.items()}, indent=1))
+        print(json.dumps({name: json.loads(report.model_dump_json()) for name, report in reports.items()}, indent=1))
     raise typer.Exit(0 if all(report.passed for report in reports.values()) else 1)
 
 

@@ -91,7 +91,9 @@ class Victim:
         else:
             bound = UsdGeom.Boundable.ComputeExtentFromPlugins(UsdGeom.Boundable(collider), Usd.TimeCode.Default())
             low, high = np.asarray(bound, dtype=np.float64)
-            local = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+            local = np.array(
+                [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+            )
         matrix = np.array(to_body)
         return local @ matrix[:3, :3] + matrix[3, :3]
 

@@ -155,7 +155,9 @@ def cavity_filled(victim: Victim) -> bool:
     kept.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(corners.astype(np.float32)))
     kept.GetFaceVertexIndicesAttr().Set(Vt.IntArray.FromNumpy(faces.astype(np.int32).ravel()))
     kept.GetFaceVertexCountsAttr().Set(Vt.IntArray.FromNumpy(np.full(len(faces), 3, np.int32)))
-    kept.GetExtentAttr().Set(Vt.Vec3fArray.FromNumpy(np.stack([corners.min(axis=0), corners.max(axis=0)]).astype(np.float32)))
+    kept.GetExtentAttr().Set(
+        Vt.Vec3fArray.FromNumpy(np.stack([corners.min(axis=0), corners.max(axis=0)]).astype(np.float32))
+    )
     kept.GetNormalsAttr().Clear()
     for collider in victim.colliders:
         if collider != kept.GetPrim():
@@ -169,11 +171,13 @@ def floor_missing(victim: Victim) -> bool:
     if not volumes or len(victim.colliders) < 3:
         return False
     x, y, z = volumes[0]["position_m"]
+    above = z + np.array([0.02, 0.1]) * victim.size_m
     under = []
     for collider in victim.colliders:
         points = victim.points_of(collider)
         low, high = points.min(axis=0), points.max(axis=0)
-        if low[0] <= x <= high[0] and low[1] <= y <= high[1] and low[2] < z + 0.02 * victim.size_m and high[2] < z + 0.1 * victim.size_m:
+        covers = np.all(low[:2] <= (x, y)) and np.all(high[:2] >= (x, y))
+        if covers and low[2] < above[0] and high[2] < above[1]:
             under.append(collider)
     if not under or len(under) == len(victim.colliders):
         return False
