@@ -87,6 +87,7 @@ class JointRanges(DeclaredJoint):
     torque, speed, low, high   of the motion: N m, rad/s, positions that were reached (rad).
     inertia, load, effort      about the joint (kg m2), of the bearing (N), commanded (N m).
     side_channels              median of every side channel that all trials have, by its name in the contract.
+    step_s                     longest step of roll-outs.
     """
 
     torque: float
@@ -97,6 +98,7 @@ class JointRanges(DeclaredJoint):
     load: float
     effort: float
     side_channels: Mapping[str, float]
+    step_s: float
 
     @property
     def span(self) -> float:
