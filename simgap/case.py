@@ -149,7 +149,8 @@ def declared_rollout(case: Case) -> RolloutEngine:
     """In which engine, and in which steps, models of this case are rolled out."""
     engine = replay_engine(case.engine)
     method = "contacts of a rigid body, in equal steps between the rows"
-    return case.problem.own_rollout() or RolloutEngine(name=engine.name, method=method, step_s=engine.largest_step_s)
+    step_s = case.problem.engine_time_s() * engine.largest_step_s
+    return case.problem.own_rollout() or RolloutEngine(name=engine.name, method=method, step_s=step_s)
 
 
 def without_armature(model: MechanismModel) -> MechanismModel:
@@ -163,6 +164,7 @@ def _joint_step_check(case: Case, mechanism: MechanismModel) -> ConventionCheck:
     applied = apply_terms(mechanism, ())
     trial = next(t for t in case.measurement.trials if t.id in case.trials.train)
     over_s, step_s = _CHECKED_HORIZONS * case.problem.horizon_s, declared_rollout(case).step_s
+    assert step_s is not None
     windows = cut_windows(joint_windows(trial, applied), over_s)
     plain, fine = (rollout(applied.mechanism, windows, largest_step_s=step_s / k)[0] for k in (1.0, _FINER))
     span = max(float(np.ptp(windows.q0)), float(np.ptp(trial.q)), 1e-300)

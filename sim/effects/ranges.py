@@ -149,6 +149,11 @@ class TossRanges:
         return self.body.mass_kg * self.gravity_mps2
 
     @property
+    def fall_s(self) -> float:
+        """Time in which the body falls about its own length."""
+        return float(np.sqrt(self.size_m / self.gravity_mps2))
+
+    @property
     def size_m(self) -> float:
         """Longest side of the box around the shapes."""
         corners = np.concatenate([_corners(shape) for shape in self.body.shapes])

@@ -20,7 +20,7 @@ CUBIC_ORDER = 3
 LEAST_CUBIC_ROWS = 7  # of a local cubic with four free numbers: the rest shows the noise
 _SPAN_RADIANS = 0.25  # a cubic through a sine strays by 2e-5 of its amplitude over this
 _LADDER = 1.25  # between one span that is tried and the next
-_ROUNDS, _SETTLED = 8, 0.01  # of the span that its own accelerations ask for; three rounds are usual
+_SCALE_ROUNDS, _SETTLED = 8, 0.01  # of the span that its own accelerations ask for; three rounds are usual
 _MOVES = 3.0  # noise levels; a joint that moves by less has no time scale
 _STEPS_PER_SPAN = 12.0  # of roll-outs, and of rows where logs are thinned: 0.02 radians each
 _FINEST_STEPS = 40.0  # per span: what a controller does faster dies out within few rows
@@ -55,7 +55,7 @@ def time_scale(trials: Sequence[Trial]) -> TimeScale:
     evened = [one for one in evened if len(one[2]) >= enough]
     span_s, row_s = _least_cross_validation(evened), min(step for step, _, _ in evened)
     radian_s, _ = _radians(evened, span_s) or (span_s / _SPAN_RADIANS,) * 2
-    for _ in range(_ROUNDS):
+    for _ in range(_SCALE_ROUNDS):
         radians = _radians(evened, span_s)
         if radians is None:
             break
@@ -117,8 +117,8 @@ def _radians(evened: Sequence[_Even], span_s: float) -> tuple[float, float] | No
         squares[0] += len(q) * (q.var(axis=0) - variance)
         for order in (1, 2):
             gain = np.sum(np.asarray(savgol_coeffs(rows, CUBIC_ORDER, deriv=order, delta=step)) ** 2)
-            seen = (_filtered(q, rows, order, step) ** 2).mean(axis=0)
-            squares[order] += len(q) * (seen - gain * variance)
+            square = (_filtered(q, rows, order, step) ** 2).mean(axis=0)
+            squares[order] += len(q) * (square - gain * variance)
     moves = (squares[0] > _MOVES**2 * noise) & (squares > 0.0).all(axis=0)
     if not moves.any():
         return None

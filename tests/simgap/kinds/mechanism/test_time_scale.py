@@ -68,9 +68,9 @@ def problem_of(law: Law) -> MechanismProblem:
 
 
 def test_a_radian_is_that_of_the_fastest_joint_and_a_cubic_spans_a_quarter_of_it():
-    found = time_scale(swings())
-    assert found.radian_s == pytest.approx(1.0 / FAST_RADPS, rel=0.03)
-    assert found.span_s == pytest.approx(0.25 / FAST_RADPS, rel=0.05)
+    scale = time_scale(swings())
+    assert scale.radian_s == pytest.approx(1.0 / FAST_RADPS, rel=0.03)
+    assert scale.span_s == pytest.approx(0.25 / FAST_RADPS, rel=0.05)
 
 
 LAWS = {
@@ -87,10 +87,10 @@ LAWS = {
 
 @pytest.mark.parametrize("law", [pytest.param(law, id=name) for name, law in LAWS.items()])
 def test_scales_follow_the_time_of_the_log_and_nothing_else(law: Law):
-    plain, found = time_scale(swings()), time_scale(swings(law))
+    plain, scale = time_scale(swings()), time_scale(swings(law))
     # Stamps of another epoch are rounded to a quarter of a microsecond; other rows have other noise.
-    assert found.radian_s == pytest.approx(law.time * plain.radian_s, rel=0.02)
-    assert found.span_s == pytest.approx(law.time * plain.span_s, rel=0.02)
+    assert scale.radian_s == pytest.approx(law.time * plain.radian_s, rel=0.02)
+    assert scale.span_s == pytest.approx(law.time * plain.span_s, rel=0.02)
 
 
 @pytest.mark.parametrize("time", [1.0, 30.0])
@@ -118,9 +118,9 @@ def test_a_joint_that_jumps_is_followed_at_its_jumps():
     ramp = np.clip((t_s % 4.2 - 1.0) / 0.1, 0.0, 1.0) - np.clip((t_s % 4.2 - 3.1) / 0.1, 0.0, 1.0)
     q = (ramp**2 * (3.0 - 2.0 * ramp))[:, None]
     q += np.random.default_rng(0).normal(0.0, NOISE_RAD, q.shape)
-    found = time_scale([_trial("a", t_s, q)])
-    assert found.radian_s > 0.15
-    assert 0.005 < found.span_s < 0.02
+    scale = time_scale([_trial("a", t_s, q)])
+    assert scale.radian_s > 0.15
+    assert 0.005 < scale.span_s < 0.02
 
 
 def test_rows_that_are_too_few_for_a_cubic_are_refused():
