@@ -125,6 +125,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> GapReport:
 
 
 LAWS = {
+    "forces times 1000, lengths and time times 10": Law(mass=1000.0, length=10.0, time=10.0),
     "forces times 1000": Law(mass=1000.0),
     "lengths times 10": Law(length=10.0),
     "time times 10": Law(time=10.0),
@@ -135,11 +136,14 @@ LAWS = {
 }
 
 
-LONG = ("twice the rows", "trials shuffled and renamed", "another epoch")  # in `make test-long`
+PLAIN = (
+    "forces times 1000, lengths and time times 10",
+    "four times the rows",
+)  # in `make test`, the others in the long
 
 
 @pytest.mark.parametrize(
-    "law", [pytest.param(law, id=name, marks=pytest.mark.long if name in LONG else ()) for name, law in LAWS.items()]
+    "law", [pytest.param(law, id=name, marks=() if name in PLAIN else pytest.mark.long) for name, law in LAWS.items()]
 )
 def test_the_answer_follows_the_scale(law: Law, plain: GapReport, tmp_path: Path) -> None:
     report = answered(law, tmp_path / "m")

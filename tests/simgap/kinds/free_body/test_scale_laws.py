@@ -183,10 +183,8 @@ RATES = {
 }
 
 
-@pytest.mark.parametrize(
-    "law",
-    [pytest.param(law, id=name, marks=() if name == "500 Hz" else pytest.mark.long) for name, law in RATES.items()],
-)
+@pytest.mark.long
+@pytest.mark.parametrize("law", [pytest.param(law, id=name) for name, law in RATES.items()])
 def test_the_same_tosses_keep_the_name_of_their_friction_at_every_rate(law: Law) -> None:
     assert _named(law) == {"contact.friction": pytest.approx(HIDDEN_MU, abs=0.04)}
 
