@@ -31,7 +31,14 @@ def answer(judged_elsewhere: bool = False, count: int = 8, rate_hz: float = 120.
     judges = split_trials(spec, names).test if judged_elsewhere else ()
     absent: Mapping[str, float] = {}
     tosses = [
-        toss(BOX, absent if name in judges else hidden, np.random.default_rng(k), 1.0, min(1e-3, 0.125 / rate_hz), 1.0 / rate_hz)
+        toss(
+            BOX,
+            absent if name in judges else hidden,
+            np.random.default_rng(k),
+            1.0,
+            min(1e-3, 0.125 / rate_hz),
+            1.0 / rate_hz,
+        )
         for k, name in enumerate(names)
     ]
     measurement = measured(spec, tosses)
