@@ -30,15 +30,9 @@ def answer(judged_elsewhere: bool = False, count: int = 8, rate_hz: float = 120.
     spec, names = spec_of(BOX), tuple(f"t{k:02d}" for k in range(count))
     judges = split_trials(spec, names).test if judged_elsewhere else ()
     absent: Mapping[str, float] = {}
+    row_s, step_s = 1.0 / rate_hz, min(1e-3, 0.125 / rate_hz)
     tosses = [
-        toss(
-            BOX,
-            absent if name in judges else hidden,
-            np.random.default_rng(k),
-            1.0,
-            min(1e-3, 0.125 / rate_hz),
-            1.0 / rate_hz,
-        )
+        toss(BOX, absent if name in judges else hidden, np.random.default_rng(k), 1.0, step_s, row_s)
         for k, name in enumerate(names)
     ]
     measurement = measured(spec, tosses)
