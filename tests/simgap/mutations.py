@@ -166,7 +166,8 @@ def unnoticed() -> list[str]:
     out = []
     for name in (*MUTATIONS, *TOSS_MUTATIONS):
         guards = TOSS_GUARDS if name in TOSS_MUTATIONS else GUARDS
-        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", __spec__.name, *guards]
+        plugins = ["-p", "no:cacheprovider", "-p", __spec__.name]
+        command = [sys.executable, "-m", "pytest", "-q", "-x", "-m", "long or not long", *plugins, *guards]
         done = subprocess.run(
             command, env=os.environ | {ENVIRONMENT: name}, capture_output=True, text=True, check=False
         )

@@ -99,6 +99,7 @@ def in_mujoco(box: Box, start: np.ndarray, step_s: float = 2e-5) -> np.ndarray:
     return np.array(poses)
 
 
+@pytest.mark.long
 def test_mujoco_moves_the_same_boxes_alike_through_their_impacts() -> None:
     """Where both are in contact for 60 ms, they differ by a tenth of the way that contact changed, in the median."""
     shares = []
@@ -115,6 +116,7 @@ def test_mujoco_moves_the_same_boxes_alike_through_their_impacts() -> None:
     assert np.quantile(shares, 0.9) < 0.3
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("number", [0, 6, 10])
 def test_tumbling_cases_are_reproducible_touch_the_board_and_have_their_level(number: int) -> None:
     case = tumble_case(number)

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from schemas.sim_gap.report import GapReport
 from sim.bullet.body import BulletBodyRollout
@@ -70,6 +71,7 @@ def test_what_judging_trials_do_not_show_is_no_effect():
     assert answer(judged_elsewhere=True, mu=0.12).verdict.effects == ()
 
 
+@pytest.mark.long
 def test_a_fit_that_no_direct_estimate_bears_out_stays_in_doubt():
     """A grippy box hardly slides: friction is right, and not sure."""
     report = answer(mu=0.8)

@@ -34,9 +34,9 @@ def toss_case(number: int) -> CaseFiles:
     family, turn = family_of(number), turn_of(number)
     rng = np.random.default_rng([SEED, 1, number])
     causes, slides, level, control = _chosen(family, turn)
-    made = _made(number, causes, level, control, draw_toss(slides, rng), rng)
-    tracked, readings = made.tracked, made.readings
-    truth = replace(made.truth, scene="slide" if slides else "flight")
+    draft = _made(number, causes, level, control, draw_toss(slides, rng), rng)
+    tracked, readings = draft.tracked, draft.readings
+    truth = replace(draft.truth, scene="slide" if slides else "flight")
     truth = labelled(truth, tracked, readings) if len(causes) == 1 else truth
     return toss_files(truth, tracked, readings, rng)
 
@@ -55,8 +55,8 @@ def tumble_case(number: int) -> CaseFiles:
         some = TUMBLE_OUTSIDE if family == "outside" else TUMBLE_LIBRARY
         family = family if family in ("outside", "left_out") else "single"
         causes, level = [some[turn % len(some)]], ("gross", "large")[turn // len(some) % 2]
-    made = _made(number, causes, level, control, draw_tumble(rng), rng)
-    return toss_files(replace(made.truth, family=family, scene="tumble"), made.tracked, made.readings, rng)
+    draft = _made(number, causes, level, control, draw_tumble(rng), rng)
+    return toss_files(replace(draft.truth, family=family, scene="tumble"), draft.tracked, draft.readings, rng)
 
 
 @dataclass(frozen=True)
