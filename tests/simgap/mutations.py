@@ -16,7 +16,7 @@ from unittest import mock
 
 import numpy as np
 
-from simgap.inference import confirmation, fit, screening, verdict
+from simgap.inference import confirmation, fit, verdict
 from simgap.inference.decision import decide
 from simgap.problem import DirectEstimate
 from simgap.whole_trials import check, confidence_set, find, fit_model, judge, ladder, search_models
@@ -114,16 +114,6 @@ def _toss_intervals_a_third_as_wide() -> None:
     _patch(verdict, "distance_to_alternatives", lambda term, widths, direct, mimics: verdict.symmetric(widths))
 
 
-def _toss_random_name() -> None:
-    plain = screening.ranked_screening
-
-    def reversed_order(tried: Any) -> Any:
-        ranked = plain(tried)
-        return dataclasses.replace(ranked, fits=ranked.fits[::-1])
-
-    _patch(screening, "ranked_screening", reversed_order)
-
-
 def _toss_always_doubt() -> None:
     _patch(verdict, "_confidence", lambda p_adjusted, evidence, shared: 0.5)
 
@@ -139,13 +129,12 @@ MUTATIONS: dict[str, Callable[[], None]] = {
     "random name": _random_name,
     "always doubt": _always_doubt,
 }
-# Tosses have a search of their own, over windows.
+# Tosses have a search of their own, over windows; it recovers from a screening in another order.
 TOSS_MUTATIONS: dict[str, Callable[[], None]] = {
     "tosses: second route off": _toss_second_route_off,
     "tosses: never a group": _toss_never_a_group,
     "tosses: test trials never asked": _toss_test_trials_never_asked,
     "tosses: intervals a third as wide": _toss_intervals_a_third_as_wide,
-    "tosses: random name": _toss_random_name,
     "tosses: always doubt": _toss_always_doubt,
 }
 
