@@ -183,6 +183,10 @@ class Problem(Protocol):
         """The motion of the joints of a fixed mechanism; None for all other kinds."""
         return None
 
+    def engine_time_s(self) -> float:
+        """SI seconds that pass in one second of an engine that rolls models out."""
+        return 1.0
+
     def own_rollout(self) -> RolloutEngine | None:
         """How models are rolled out here; None for bodies, which the caller's engine rolls out."""
         return None

@@ -87,6 +87,7 @@ class JointRanges(DeclaredJoint):
     torque, speed, low, high   of the motion: N m, rad/s, positions that were reached (rad).
     inertia, load, effort      about the joint (kg m2), of the bearing (N), commanded (N m).
     side_channels              median of every side channel that all trials have, by its name in the contract.
+    step_s                     longest step of roll-outs.
     """
 
     torque: float
@@ -97,6 +98,7 @@ class JointRanges(DeclaredJoint):
     load: float
     effort: float
     side_channels: Mapping[str, float]
+    step_s: float
 
     @property
     def span(self) -> float:
@@ -145,6 +147,11 @@ class TossRanges:
     def weight_N(self) -> float:
         """Weight of the body."""
         return self.body.mass_kg * self.gravity_mps2
+
+    @property
+    def fall_s(self) -> float:
+        """Time in which the body falls about its own length."""
+        return float(np.sqrt(self.size_m / self.gravity_mps2))
 
     @property
     def size_m(self) -> float:

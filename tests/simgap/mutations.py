@@ -16,11 +16,14 @@ from unittest import mock
 
 import numpy as np
 
+from simgap.inference import confirmation, fit, verdict
 from simgap.inference.decision import decide
+from simgap.problem import DirectEstimate
 from simgap.whole_trials import check, confidence_set, find, fit_model, judge, ladder, search_models
 
 ENVIRONMENT = "MANA_MUTATION"
 GUARDS = ("tests/simgap/whole_trials/test_check.py", "tests/simgap/whole_trials/test_judge.py")
+TOSS_GUARDS = ("tests/simgap/kinds/free_body/test_guard_cases.py",)
 
 
 def _second_route_off() -> None:
@@ -87,6 +90,34 @@ def _always_doubt() -> None:
     _patch(judge, "_confidence", lambda doubts, direct, policy: 0.5)
 
 
+def _toss_second_route_off() -> None:
+    def agrees(problem: Any, fitted: Any, term: Any, widths: Any, others: Any, trials: Any, alone: Any) -> Any:
+        errors = {name: width / 1.96 for name, width in widths.items()}
+        return DirectEstimate(dict(term.values), errors, 0.0, len(trials)), decide([])
+
+    _patch(verdict, "direct_agreement", agrees)
+    _patch(verdict, "exceeds_method_bias", lambda *inputs: decide([]))
+
+
+def _toss_never_a_group() -> None:
+    _patch(verdict, "_mimics", lambda *inputs: [])
+    _patch(verdict, "_preferred_by_direct", lambda *inputs: [])
+
+
+def _toss_test_trials_never_asked() -> None:
+    _patch(confirmation, "is_confirmed", lambda evidence: decide([]))
+
+
+def _toss_intervals_a_third_as_wide() -> None:
+    plain = fit.half_widths
+    _patch(fit, "half_widths", lambda solution: plain(solution) / 3.0)
+    _patch(verdict, "distance_to_alternatives", lambda term, widths, direct, mimics: verdict.symmetric(widths))
+
+
+def _toss_always_doubt() -> None:
+    _patch(verdict, "_confidence", lambda p_adjusted, evidence, shared: 0.5)
+
+
 MUTATIONS: dict[str, Callable[[], None]] = {
     "second route off": _second_route_off,
     "numerics off": _numerics_off,
@@ -98,6 +129,14 @@ MUTATIONS: dict[str, Callable[[], None]] = {
     "random name": _random_name,
     "always doubt": _always_doubt,
 }
+# Tosses have a search of their own, over windows; it recovers from a screening in another order.
+TOSS_MUTATIONS: dict[str, Callable[[], None]] = {
+    "tosses: second route off": _toss_second_route_off,
+    "tosses: never a group": _toss_never_a_group,
+    "tosses: test trials never asked": _toss_test_trials_never_asked,
+    "tosses: intervals a third as wide": _toss_intervals_a_third_as_wide,
+    "tosses: always doubt": _toss_always_doubt,
+}
 
 
 def _patch(owner: Any, name: str, value: Any) -> None:
@@ -108,19 +147,21 @@ def _patch(owner: Any, name: str, value: Any) -> None:
 def pytest_configure() -> None:
     """Applies the mutation that the environment names, before tests import what it breaks."""
     if name := os.environ.get(ENVIRONMENT):
-        MUTATIONS[name]()
+        (MUTATIONS | TOSS_MUTATIONS)[name]()
 
 
 def unnoticed() -> list[str]:
     """Mutations that pass all guards; a line for each as it ends."""
     out = []
-    for name in MUTATIONS:
-        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", __spec__.name, *GUARDS]
+    for name in (*MUTATIONS, *TOSS_MUTATIONS):
+        guards = TOSS_GUARDS if name in TOSS_MUTATIONS else GUARDS
+        plugins = ["-p", "no:cacheprovider", "-p", __spec__.name]
+        command = [sys.executable, "-m", "pytest", "-q", "-x", "-m", "long or not long", *plugins, *guards]
         done = subprocess.run(
             command, env=os.environ | {ENVIRONMENT: name}, capture_output=True, text=True, check=False
         )
         first = next((line for line in done.stdout.splitlines() if line.startswith("FAILED")), "")
-        print(f"{name:28} {'noticed' if done.returncode == 1 else 'NOT NOTICED'}  {first[:110]}", flush=True)
+        print(f"{name:34} {'noticed' if done.returncode == 1 else 'NOT NOTICED'}  {first[:110]}", flush=True)
         if done.returncode != 1:
             out.append(name)
     return out

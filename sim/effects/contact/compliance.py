@@ -14,7 +14,8 @@ from sim.effects.effect import Confusable, Effect, Export, Parameter
 from sim.effects.ranges import TossRanges
 
 _DEEPEST, _USUAL, _SHALLOWEST = 0.1, 1e-3, 1e-4  # of the size: how far the body sinks in under its weight
-_MOST_DAMPED = 4.0  # times what brakes the swing on the usual spring critically, over two
+_HARDEST = 4e-6  # of the size: how far it sinks in where no spring is declared, less than an engine resolves
+_MOST_DAMPED, _USUALLY_DAMPED = 4.0, 0.08  # times what brakes the swing on the usual spring critically, over two
 
 
 def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
@@ -22,17 +23,24 @@ def _change(model: BodyModel, params: Params, where: Place) -> BodyModel:
 
 
 def _declared(r: TossRanges) -> Values:
-    """Without a declared spring the contact is as stiff as the engine allows: the parameters' own null values."""
+    """Without a declared spring the contact is stiffer than shows at this weight and size."""
     if r.body.stiffness_Npm is None or r.body.damping_Nspm is None:
-        return {}
+        return {
+            "stiffness_Npm": r.weight_N / (_HARDEST * r.size_m),
+            "damping_Nspm": _USUALLY_DAMPED * r.body.mass_kg * _slowest_radps(r),
+        }
     return {"stiffness_Npm": r.body.stiffness_Npm, "damping_Nspm": r.body.damping_Nspm}
 
 
+def _slowest_radps(r: TossRanges) -> float:
+    """Swing on the usual spring."""
+    return float(np.sqrt(r.gravity_mps2 / (_USUAL * r.size_m)))
+
+
 def _bounds(r: TossRanges) -> Bounds:
-    slowest = np.sqrt(r.gravity_mps2 / (_USUAL * r.size_m))
     return {
         "stiffness_Npm": (r.weight_N / (_DEEPEST * r.size_m), r.weight_N / (_SHALLOWEST * r.size_m)),
-        "damping_Nspm": (0.0, _MOST_DAMPED * r.body.mass_kg * slowest),
+        "damping_Nspm": (0.0, _MOST_DAMPED * r.body.mass_kg * _slowest_radps(r)),
     }
 
 

@@ -14,7 +14,6 @@ from sim.effects.ranges import JointRanges
 
 _STOP_SHARES = (0.01, 0.03, 0.07, 0.13, 0.22, 0.33)  # of the range, from its edges
 _STIFFEST_STOP = 0.3  # of inertia over a step's square: what is stiffer would throw a joint out faster than it came
-_LOG_STEP_S = 5e-3
 _HARDER = (10.0, 1e4)  # than what the torque does over the range
 _MOST_LOSS = 3.0  # of a stop's force on the way in beyond that at rest, at the speeds that were reached
 _LEAST_SPAN = 1e-9  # rad (m)
@@ -30,7 +29,7 @@ def _torque(state: JointState, values: FloatArray, memory: FloatArray) -> Any:
 
 def _bounds(r: JointRanges) -> Bounds:
     middle, soft = 0.5 * (r.low + r.high), r.torque / max(r.span, _LEAST_SPAN)
-    hardest = max(_HARDER[0] * soft, min(_HARDER[1] * soft, _STIFFEST_STOP * r.inertia / _LOG_STEP_S**2))
+    hardest = max(_HARDER[0] * soft, min(_HARDER[1] * soft, _STIFFEST_STOP * r.inertia / r.step_s**2))
     return {
         "lower_rad": (r.low - r.span, middle),
         "upper_rad": (middle, r.high + r.span),

@@ -14,7 +14,6 @@ from sim.effects.ranges import TOLERANCE, JointRanges
 
 _FASTEST_S = 0.02  # joint damping may stop a link within this
 _STEADIEST = 0.3  # of inertia over a step: what drives harder would throw a joint out within a few steps
-_LOG_STEP_S = 5e-3
 
 
 def _change(model: MechanismModel, params: Params, where: Place) -> MechanismModel:
@@ -24,7 +23,7 @@ def _change(model: MechanismModel, params: Params, where: Place) -> MechanismMod
 def _bounds(r: JointRanges) -> Bounds:
     """A joint alone only loses energy; a drive whose rate is late or whose gains are others gives it some."""
     strongest = r.torque / r.speed
-    least = -min(strongest, _STEADIEST * r.inertia / _LOG_STEP_S) if r.driven else 0.0
+    least = -min(strongest, _STEADIEST * r.inertia / r.step_s) if r.driven else 0.0
     return {"damping_Nms_per_rad": (least, strongest + 2.0 * r.damping)}
 
 

@@ -9,6 +9,7 @@ from sim.effects.common.series import read_at, with_columns
 from sim.effects.effect import Confusable, Effect, Parameter
 
 _RATES = ("qd", "v_W", "w_B")
+_YOUNGEST, _OLDEST = -0.5, 1.0  # of the time in which the body falls its own length
 
 
 def _report(series: Series, params: Params, where: Place) -> Series:
@@ -27,12 +28,15 @@ EFFECT = Effect(
     formula="reported rate(t) = true rate(t - age_s); a backward difference has half a frame",
     source="finite differences and filters have a group delay",
     reveals="integrated rates run behind the positions by a constant time",
-    parameters=(Parameter("age_s", "s", -0.05, 0.1, 0.0),),
+    parameters=(Parameter("age_s", "s", -10.0, 10.0, 0.0),),
     confusables=(Confusable("world.gravity_magnitude", "compare rates with differences of the positions"),),
     hook=SensorMap(_report, _recover),
     # Rates of joints come from the positions here, so that their age is known.
     mechanism=MechanismCandidacy(observable=never),
     free_body=TossCandidacy(
-        direct=("rates_behind_path",), linked_direct=("rates_behind_common_path",), bounds_from_direct=True
+        bounds=lambda r: {"age_s": (_YOUNGEST * r.fall_s, _OLDEST * r.fall_s)},
+        direct=("rates_behind_path",),
+        linked_direct=("rates_behind_common_path",),
+        bounds_from_direct=True,
     ),
 )

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.sim_gap.extension import Place
 from sim.dynamics.body_rollout import BodyModel
 from sim.dynamics.hooks import Series
@@ -14,6 +15,7 @@ from sim.effects.effect import Effect
 from sim.effects.library import EFFECTS
 from sim.effects.ranges import SUPPORT_PAIR, TossRanges
 from simgap.kinds.free_body.direct_estimates import agree_on_one_value
+from simgap.kinds.free_body.toss import corners
 from simgap.problem import Candidate, DirectEstimate
 
 # Contacts begin and end at steps of the engine and in another order: slopes over less are those of single jumps.
@@ -22,7 +24,7 @@ _COARSEST = 0.2
 BOUNDS_ALPHA = 0.01  # level at which a direct estimate sets the bounds or replaces a fit
 _BEYOND = 0.25  # share of a direct estimate above that level by which bounds exceed it
 _SEEN, _LITTLE_OF_BOUNDS = 0.05, 0.02  # level of "something is there"; share of the bounds that is little
-_LEAST_SPEED_MPS = 0.1
+_LEAST_SPEED = 0.1  # sizes per fall time
 Estimate = Callable[[Candidate], DirectEstimate | None]
 
 
@@ -34,7 +36,8 @@ def candidates_of(
     An effect whose direct estimate is clearly zero is left out; bounds of the others stay near their direct estimates,
     because fits to contacts stray.
     """
-    ranges = TossRanges(model, typical_speed(series))
+    size_m = float(np.ptp(corners(model.shapes), axis=0).max())
+    ranges = TossRanges(model, typical_speed(series, size_m, model.gravity_W))
     return tuple(
         candidate
         for each in EFFECTS
@@ -122,7 +125,7 @@ def _where(each: Effect) -> Place:
     return Place(body="body") if each.family == "body" else Place()
 
 
-def typical_speed(series: Sequence[Series]) -> float:
-    """Speed of the origin in m/s that one row of twenty exceeds."""
+def typical_speed(series: Sequence[Series], size_m: float, gravity_W: FloatArray) -> float:
+    """Speed of the origin in m/s that one row of twenty exceeds; no less than a body so large falls in no time."""
     speeds = np.concatenate([np.linalg.norm(s.columns["v_W"], axis=1) for s in series])
-    return max(float(np.quantile(speeds, 0.95)), _LEAST_SPEED_MPS)
+    return max(float(np.quantile(speeds, 0.95)), _LEAST_SPEED * float(np.sqrt(size_m * np.linalg.norm(gravity_W))))

@@ -14,7 +14,7 @@ from scipy.integrate import cumulative_trapezoid
 from schemas.arrays import FloatArray
 from sim.dynamics.hooks import BodyState
 from simgap.kinds.free_body.normal_equations import NormalEquations, of_values
-from simgap.kinds.free_body.toss import FLIGHT_ROWS, Toss
+from simgap.kinds.free_body.toss import Toss
 
 Columns = Callable[[Toss, FloatArray], FloatArray]  # velocity (n, 3) -> accelerations (n, 3, k)
 
@@ -113,7 +113,7 @@ def _steady(v: FloatArray, columns: FloatArray) -> FloatArray:
 
 
 def _long(toss: Toss) -> list[slice]:
-    return [f for f in toss.flights if f.stop - f.start >= FLIGHT_ROWS]
+    return [f for f in toss.flights if f.stop - f.start >= toss.flight_rows]
 
 
 def _powers(t_s: FloatArray, order: int) -> FloatArray:

@@ -15,14 +15,15 @@ from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.kinds.free_body.bootstrap import bootstrap_sample, simulated_motion
 from simgap.kinds.free_body.candidates import BOUNDS_ALPHA
 from simgap.kinds.free_body.direct_estimates import agree_on_one_value, biases_of, estimate
-from simgap.kinds.free_body.toss import Toss
+from simgap.kinds.free_body.rates import body_rates, rows_of_slopes, slope_noise_per_s, velocities
+from simgap.kinds.free_body.toss import Toss, fall_time_s
 from simgap.kinds.free_body.tossed_body import BodySimulator, Columns
 from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term, View
 from simgap.recording.read import Measurement
 from simgap.recording.recording import Trial
 from simgap.recording.train_test_split import split_trials
 
-BODY_HORIZON_S = 0.081
+_HORIZON = 0.8  # of the time in which the body falls its own length: an impact and what follows
 _BODY_ROWS_COMPARED = 4  # rows per short window that are compared
 _IN_FLIGHT, _AT_REST, _IN_CONTACT = 3, 1, 6  # most windows per trial; without contact a few suffice
 _STEP_CHECK_TRIALS, _FINER = 12, 4.0  # trials that show the error of a step; how much finer steps must be
@@ -33,14 +34,18 @@ _CLEAR_SHARE, _MOVED = 0.1, 0.01  # shares of the body's size: this far from the
 class FreeBodyProblem(Problem):
     """Engine roll-outs against poses; direct estimates from flight, impacts, sliding and rest."""
 
-    def __init__(self, measurement: Measurement, simulator: BodySimulator, horizon_s: float = BODY_HORIZON_S) -> None:
+    def __init__(self, measurement: Measurement, simulator: BodySimulator, horizon_s: float | None = None) -> None:
+        """`horizon_s` of short roll-outs follows from how fast the body falls, where it is left out."""
         self.measurement = measurement
         self.simulator = simulator
-        self.horizon_s = horizon_s
-        self._series = {t.id: _series(t) for t in measurement.trials}
-        step = float(np.median(np.concatenate([np.diff(s.t_s) for s in self._series.values()])))
-        self._rows = max(4, round(horizon_s / step) + 1)
-        self._step_s = step
+        step = float(np.median(np.concatenate([np.diff(t.t_s) for t in measurement.trials])))
+        falls_s = [fall_time_s(simulator.size_m, simulator.gravity_W, t.t_s, t.p) for t in measurement.trials]
+        fall_s = float(np.median(falls_s))
+        self.horizon_s = _HORIZON * fall_s if horizon_s is None else horizon_s
+        slope_rows = rows_of_slopes(fall_s, step)
+        self._series = {t.id: _series(t, slope_rows) for t in measurement.trials}
+        self._rows = max(4, round(self.horizon_s / step) + 1)
+        self._slope_noise_per_s = slope_noise_per_s(slope_rows, step)
         self._read: tuple[object, list[Toss]] = (None, [])
         self._direct_models: dict[object, Model] = {}
         self._biases: dict[str, tuple[FloatArray, ...]] = {}
@@ -55,6 +60,10 @@ class FreeBodyProblem(Problem):
     def _candidates(self) -> tuple[Candidate, ...]:
         taught = split_trials(self.measurement.spec, self.trial_ids).train
         return self.simulator.candidates([self._series[t] for t in taught], lambda c: self.direct(c, (), taught))
+
+    def engine_time_s(self) -> float:
+        """See `simgap.problem.Problem`."""
+        return self.simulator.engine_time_s
 
     def channels(self) -> tuple[str, ...]:
         """Position and the rotation vector between simulated and measured, world axes; then joints."""
@@ -177,7 +186,7 @@ class FreeBodyProblem(Problem):
 
         Numerics: what steps four times finer change. Nothing smaller than that is physics.
         """
-        of_readings = self.simulator.reading_noise(self.measurement.noise, self._step_s, self.horizon_s)
+        of_readings = self.simulator.reading_noise(self.measurement.noise, self._slope_noise_per_s, self.horizon_s)
         few = tuple(trials)[:_STEP_CHECK_TRIALS]
         if (few, view) not in self._numeric:
             usual, fine = (np.concatenate(self._errors((), few, view, finer)) for finer in (1.0, _FINER))
@@ -263,20 +272,13 @@ def _reported(applied: AppliedBody, t_s: FloatArray, columns: Columns) -> Column
     return {n: reported[n].reshape(v.shape) for n, v in columns.items()}
 
 
-def _series(trial: Trial) -> Series:
-    """Pose and rates of a trial; rates that were not measured are central differences of the poses."""
+def _series(trial: Trial, slope_rows: int) -> Series:
+    """Pose and rates of a trial; rates that were not measured are slopes of the poses over so many rows."""
     quats = trial.quat_wxyz
-    v = trial.v_W if trial.has("v_W") else np.gradient(trial.p, trial.t_s, axis=0)
-    w = trial.w_B if trial.has("w_B") else _rates(trial.t_s, quats)
+    v = trial.v_W if trial.has("v_W") else velocities(trial.t_s, trial.p, slope_rows)
+    w = trial.w_B if trial.has("w_B") else body_rates(trial.t_s, quats, slope_rows)
     columns = {"p": trial.p, "quat_wxyz": quats, "v_W": v, "w_B": w}
     if trial.has("q"):
-        qd = trial.qd if trial.has("qd") else np.gradient(trial.q, trial.t_s, axis=0)
+        qd = trial.qd if trial.has("qd") else velocities(trial.t_s, trial.q, slope_rows)
         columns |= {"q": trial.q, "qd": qd}
     return Series(trial.t_s, columns)
-
-
-def _rates(t_s: FloatArray, quat_wxyz: FloatArray) -> FloatArray:
-    """(n, 3) body rates from orientations, central differences."""
-    R = Rotation.from_quat(np.roll(quat_wxyz, -1, axis=1))
-    between = (R[:-1].inv() * R[1:]).as_rotvec() / np.diff(t_s)[:, None]
-    return np.concatenate([between[:1], 0.5 * (between[:-1] + between[1:]), between[-1:]])

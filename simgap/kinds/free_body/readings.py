@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from simgap.kinds.free_body.normal_equations import NormalEquations, of_rows, of_values
-from simgap.kinds.free_body.toss import FLIGHT_ROWS, Toss, resting_facet
+from simgap.kinds.free_body.toss import Toss, resting_facet
 
 
 def velocity_age(toss: Toss) -> NormalEquations | None:
     """age_s: how far reported velocities lag behind the slope of the positions, in flight."""
     ages = []
     for part in toss.flights:
-        if part.stop - part.start < FLIGHT_ROWS:
+        if part.stop - part.start < toss.flight_rows:
             continue
         t = toss.t_s[part] - toss.t_s[part].mean()
         c = np.polynomial.polynomial.polyfit(t, toss.origin[part], 2)

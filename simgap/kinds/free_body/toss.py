@@ -1,6 +1,8 @@
 """A recorded toss with contact geometry: flights, impacts, slides and rest as row ranges, from poses alone.
 
 Velocities are slopes of fits to poses, never the reported rates: what a rate sensor does wrong cannot leak into them.
+Stretches of rows that are fitted last shares of the time in which the body falls its own length, whatever the rate of
+rows: noise of slopes falls with more rows in equal times. Below, they have the rows that a fit needs.
 """
 
 from __future__ import annotations
@@ -18,16 +20,16 @@ from schemas.physics import CollisionShape
 from sim.dynamics.hooks import Series
 from simgap.kinds.free_body.apply_model import AppliedBody
 
-FLIGHT_ROWS = 7
 _TOUCH_SHARE = 0.02  # share of the body's length: a point closer than this to the support may touch it
 _PATCH = 0.15  # share of the body's length: a contact within this is one corner
-_IMPACT_SIDE_ROWS = 5  # rows that give the motion on one side of an impact
-_LONGEST_S = 0.03  # from touching down to moving up
 _INSTANTS = 60
-_SLIDE_ROWS = 7
 _STEADY_COSINE = 0.8  # cosine between the slip at the ends and in the middle of a slide
 _LEVEL_RAD = 0.4  # between a facet and the support; more is another facet
 _STILL = 0.05  # share of sqrt(g * length): slower is rest
+# Shares of the fall time sqrt(length / g), and the fewest rows that they may be: of a flight that is fitted, of any
+# flight, of one side of an impact, of a slide. At 150 Hz and 10 cm the shares are as many rows.
+_FLIGHT, _SHORTEST_FLIGHT, _IMPACT_SIDE, _SLIDE = (0.4, 7), (0.2, 4), (0.27, 5), (0.4, 7)
+_LONGEST_IMPACT, _SHORTEST_REST = 0.3, 0.5  # of the fall time: from touching down to moving up; at the end
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,20 @@ class Toss:
         self.size = float(np.ptp(self.corners, axis=0).max())
 
     @cached_property
+    def fall_s(self) -> float:
+        """See `fall_time_s`."""
+        return fall_time_s(self.size, self.gravity, self.t_s, self.com)
+
+    @property
+    def flight_rows(self) -> int:
+        """Rows of the shortest flight that is fitted."""
+        return self.rows_of(*_FLIGHT)
+
+    def rows_of(self, share: float, least: int) -> int:
+        """Rows over a share of the fall time, no fewer than `least`."""
+        return max(least, round(share * self.fall_s / float(np.median(np.diff(self.t_s)))) + 1)
+
+    @cached_property
     def corner_positions(self) -> FloatArray:
         """(n, m, 3) of every corner."""
         return self.com[:, None] + np.einsum("nij,mj->nmi", self.matrices, self.corners)
@@ -98,7 +114,7 @@ class Toss:
 
     @cached_property
     def flights(self) -> list[slice]:
-        """Stretches of at least four rows that touch nothing; a bounce between two rows ends one."""
+        """Stretches that touch nothing; a bounce between two rows ends one."""
         if not self.body.has_support:
             return [slice(0, len(self.t_s))]
         # By corners: while one leaves the support, another that comes down may be the lowest already.
@@ -107,7 +123,7 @@ class Toss:
         touched = turns & (height[1:-1] < 1.5 * np.maximum(step[:-1], step[1:]))
         free = self.gap > _TOUCH_SHARE * self.size
         free[1:-1] &= ~touched.any(axis=1)
-        return _stretches(free, 4)
+        return _stretches(free, self.rows_of(*_SHORTEST_FLIGHT))
 
     @cached_property
     def impacts(self) -> list[Impact]:
@@ -120,10 +136,10 @@ class Toss:
         if not self.body.has_support:
             return []
         touching = np.abs(self.gap) < 2.0 * _TOUCH_SHARE * self.size
-        slide_stretches = []
-        for part in _stretches(touching, _SLIDE_ROWS):
-            for first in range(part.start, part.stop - _SLIDE_ROWS + 1, _SLIDE_ROWS // 2):
-                slide = self._slide(slice(first, first + _SLIDE_ROWS))
+        slide_stretches, length = [], self.rows_of(*_SLIDE)
+        for part in _stretches(touching, length):
+            for first in range(part.start, part.stop - length + 1, length // 2):
+                slide = self._slide(slice(first, first + length))
                 slide_stretches += [slide] if slide is not None else []
         return slide_stretches
 
@@ -139,7 +155,7 @@ class Toss:
             np.linalg.norm(self.corner_positions - self.corner_positions[-1], axis=2).max(axis=1) > 0.005 * self.size
         )
         first = int(moving[-1]) + 1 if len(moving) else 0
-        long = self.t_s[-1] - self.t_s[min(first, len(self.t_s) - 1)] > _STILL
+        long = self.t_s[-1] - self.t_s[min(first, len(self.t_s) - 1)] > _SHORTEST_REST * self.fall_s
         return slice(first, len(self.t_s)) if long and self.body.has_support else None
 
     def motion(self, rows: slice, at_s: float, falling: bool) -> Motion:
@@ -163,13 +179,14 @@ class Toss:
 
     def _impact(self, flight: slice) -> Impact | None:
         """The impact at the end of a flight, if a corner or an edge meets the support and rises before another does."""
-        last, before = flight.stop - 1, slice(max(flight.start, flight.stop - _IMPACT_SIDE_ROWS), flight.stop)
+        side, last, step_s = self.rows_of(*_IMPACT_SIDE), flight.stop - 1, float(np.median(np.diff(self.t_s)))
+        before = slice(max(flight.start, flight.stop - side), flight.stop)
         after_touch = np.flatnonzero(self.t_s > self.t_s[last])
-        soon = after_touch[self.t_s[after_touch] < self.t_s[last] + _LONGEST_S]
+        soon = after_touch[self.t_s[after_touch] < self.t_s[last] + max(_LONGEST_IMPACT * self.fall_s, 1.5 * step_s)]
         if not len(soon) or not self.body.has_support:
             return None
         lowest = int(soon[np.argmin(self.gap[soon])])
-        after = slice(lowest + 1, lowest + 1 + _IMPACT_SIDE_ROWS)
+        after = slice(lowest + 1, lowest + 1 + side)
         if after.stop > len(self.t_s):
             return None
         touch_s = self._touch(self.motion(before, float(self.t_s[last]), True), last, lowest)
@@ -242,6 +259,15 @@ def resting_facet(toss: Toss) -> FloatArray | None:
     if not len(facets) or (facets @ down).max() < np.cos(_LEVEL_RAD):
         return None
     return facets[int(np.argmax(facets @ down))]
+
+
+def fall_time_s(size_m: float, gravity: FloatArray, t_s: FloatArray, p: FloatArray) -> float:
+    """Time in which a body falls about its own length; without gravity, in which it moves as far."""
+    pull = float(np.linalg.norm(gravity))
+    if pull > 0.0:
+        return float(np.sqrt(size_m / pull))
+    moved = float(np.linalg.norm(np.diff(p, axis=0), axis=1).sum())
+    return float(t_s[-1] - t_s[0]) * min(1.0, size_m / max(moved, 1e-300))
 
 
 def corners(shapes: Sequence[CollisionShape]) -> FloatArray:

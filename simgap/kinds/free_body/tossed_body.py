@@ -35,6 +35,16 @@ class BodySimulator(Protocol):
         ...
 
     @property
+    def gravity_W(self) -> FloatArray:
+        """(3,) declared gravity, m/s2."""
+        ...
+
+    @property
+    def engine_time_s(self) -> float:
+        """SI seconds that pass in one second of the engine."""
+        ...
+
+    @property
     def state(self) -> tuple[str, ...]:
         """Columns that start a roll-out."""
         ...
@@ -86,6 +96,9 @@ class BodySimulator(Protocol):
         """See `simgap.problem.Problem`."""
         ...
 
-    def reading_noise(self, noise: SensorNoise, step_s: float, horizon_s: float) -> FloatArray:
-        """(c,) mean square error that noise of readings and starts leaves after `horizon_s`."""
+    def reading_noise(self, noise: SensorNoise, slope_noise_per_s: float, horizon_s: float) -> FloatArray:
+        """(c,) mean square error that noise of readings and starts leaves after `horizon_s`.
+
+        Rates that were not measured have `slope_noise_per_s` times the noise of poses.
+        """
         ...

@@ -14,6 +14,7 @@ from sim.effects.effect import Effect
 from sim.effects.library import EFFECTS
 from sim.effects.ranges import SUPPORT_PAIR, DeclaredJoint, LinkageJoint, TossRanges
 from simgap.kinds.free_body.candidates import screened, toss_candidate, typical_speed
+from simgap.kinds.free_body.toss import corners
 from simgap.kinds.free_body.tossed_body import DirectEstimator
 from simgap.kinds.linkage.apply_model import WHOLE
 from simgap.problem import Candidate
@@ -29,7 +30,7 @@ def candidates_of(
 
     As for single bodies, an effect whose direct estimate is clearly zero is left out.
     """
-    speed = typical_speed(series)
+    speed = typical_speed(series, size_m_of(model), model.base.gravity_W)
     return tuple(
         candidate
         for each in EFFECTS
@@ -38,6 +39,11 @@ def candidates_of(
         if each.free_body.observable(ranges)
         for candidate in screened(toss_candidate(each, where, ranges), estimate_directly)
     )
+
+
+def size_m_of(model: LinkageModel) -> float:
+    """Greatest extent of the shapes of any link."""
+    return max(float(np.ptp(corners(s), axis=0).max()) for s in (model.base.shapes, *model.shapes) if s)
 
 
 def _places(each: Effect, model: LinkageModel, speed: float) -> Iterator[tuple[Place, TossRanges]]:

@@ -19,9 +19,9 @@ from simgap.kinds.linkage.toss import LinkageToss
 from simgap.problem import Candidate
 
 LinkedEstimator = Callable[[Toss, Place], NormalEquations | None]
-_ROWS = 11  # of a window over which accelerations are read
-_LEAST_FLIGHT_ROWS = 9  # minimum rows of a flight for estimates of momenta
-_STILL_RADPS = 0.5  # a joint that turns slower than this has no sure direction
+# Shares of the fall time, and the fewest rows: of a window over which accelerations are read, of a flight for momenta.
+_EFFORT_WINDOW, _MOMENTA_FLIGHT = (0.67, 11), (0.53, 9)
+_STILL = 0.05  # rad per fall time (sizes of the linkage): a joint that moves slower has no sure direction
 
 
 # By what they read, at which place; `TossCandidacy.linked_direct` of an effect names them.
@@ -136,12 +136,14 @@ def _joint(toss: Toss, joint: str | None, law: Callable[[FloatArray], FloatArray
     linkage = _linkage(toss)
     model = linkage.linkage.joints
     j = [link.name for link in model.tree].index(joint or "")
-    rows = [slice(s, s + _ROWS) for f in toss.flights for s in range(f.start, f.stop - _ROWS + 1, _ROWS // 2)]
+    length = toss.rows_of(*_EFFORT_WINDOW)
+    rows = [slice(s, s + length) for f in toss.flights for s in range(f.start, f.stop - length + 1, length // 2)]
+    still = _STILL / toss.fall_s * (toss.size if model.tree[j].prismatic else 1.0)
     known = model.damping[j] if law is _viscous else model.friction[j]
     seen = []
     for part in rows:
         rate = float(linkage.series.columns["qd"][part, j].mean())
-        if abs(rate) > _STILL_RADPS:
+        if abs(rate) > still:
             given = -model.damping[j] * rate - model.friction[j] * np.sign(rate)
             seen.append((rate, joint_effort(linkage, j, part) - given))
     if not seen:
@@ -181,7 +183,7 @@ def joint_effort(toss: LinkageToss, j: int, rows: slice) -> float:
 
 
 def _flights(toss: LinkageToss) -> list[slice]:
-    return [f for f in toss.flights if f.stop - f.start >= _LEAST_FLIGHT_ROWS]
+    return [f for f in toss.flights if f.stop - f.start >= toss.rows_of(*_MOMENTA_FLIGHT)]
 
 
 def _linkage(toss: Toss) -> LinkageToss:

@@ -11,13 +11,13 @@ from scipy.spatial.transform import Rotation
 from schemas.arrays import FloatArray
 from sim.dynamics.hooks import Series
 from sim.dynamics.linkage_rollout import link_body, link_poses
-from simgap.kinds.free_body.toss import FLIGHT_ROWS, Impact, Slide, Toss, corners
+from simgap.kinds.free_body.toss import Impact, Slide, Toss, corners
 from simgap.kinds.linkage.apply_model import AppliedLinkage
 
 _TOUCHING = 0.01  # share of the size: a corner this close to the lowest one carries too
 _JOLT = 0.05  # share of sqrt(g * size): a change of speed within a few rows that no fall makes
 _CARRIED = 0.4  # share of the weight that something else than gravity carries
-_JOLT_SIDE_ROWS = 4
+_JOLT_SIDE = (0.2, 4)  # of the fall time, and the fewest rows: to either side of a jolt
 _ALONG = 0.9  # cosine between the slips of the corners that carry
 
 
@@ -56,7 +56,7 @@ class LinkageToss(Toss):
         stretches = []
         for flight in super().flights:
             cuts = [flight.start, *self._jolts(flight, jolt), flight.stop]
-            for part in (slice(a, b) for a, b in pairwise(cuts) if b - a >= FLIGHT_ROWS):
+            for part in (slice(a, b) for a, b in pairwise(cuts) if b - a >= self.flight_rows):
                 t = self.t_s[part] - self.t_s[part].mean()
                 fall = 2.0 * np.polynomial.polynomial.polyfit(t, self.com[part], 2)[2]
                 stretches += [part] if np.linalg.norm(fall - self.gravity) < _CARRIED * weight else []
@@ -64,7 +64,7 @@ class LinkageToss(Toss):
 
     def _jolts(self, flight: slice, jolt: float) -> list[int]:
         """Rows at which the speed of the mass centre, from the rows on either side, changes by more than `jolt`."""
-        side, jolt_rows = _JOLT_SIDE_ROWS, []
+        side, jolt_rows = self.rows_of(*_JOLT_SIDE), []
         for row in range(flight.start + side, flight.stop - side):
             slopes = []
             for rows in (slice(row - side, row + 1), slice(row, row + side + 1)):

@@ -16,10 +16,10 @@ from simgap.kinds.free_body.apply_model import AppliedBody
 from simgap.kinds.free_body.candidates import nuisances_of
 from simgap.kinds.free_body.direct_estimates import Routes
 from simgap.kinds.free_body.rigid import RigidBodySimulator, level_poses, pose_errors, pose_noise
-from simgap.kinds.free_body.toss import Toss, corners
+from simgap.kinds.free_body.toss import Toss
 from simgap.kinds.free_body.tossed_body import Columns, DirectEstimator
 from simgap.kinds.linkage.apply_model import AppliedLinkage, apply_terms
-from simgap.kinds.linkage.candidates import candidates_of
+from simgap.kinds.linkage.candidates import candidates_of, size_m_of
 from simgap.kinds.linkage.direct_estimates import routes_to
 from simgap.kinds.linkage.toss import LinkageToss
 from simgap.problem import Candidate, Model
@@ -32,16 +32,15 @@ class LinkageSimulator:
 
     state = (*RigidBodySimulator.state, "q", "qd")
     read = (*RigidBodySimulator.read, "q")
+    engine_time_s = 1.0
 
     def __init__(self, declared: LinkageModel, engine: LinkageRollout) -> None:
         self.declared, self.engine = declared, engine
-        self.has_support = declared.base.has_support
+        self.has_support, self.gravity_W = declared.base.has_support, declared.base.gravity_W
         tree = declared.joints.tree
         self.channels = (*RigidBodySimulator.channels, *(f"q_{link.name}" for link in tree))
         self.channel_units = (*RigidBodySimulator.channel_units, *("m" if link.prismatic else "rad" for link in tree))
-        self.size_m = max(
-            float(np.ptp(corners(s), axis=0).max()) for s in (declared.base.shapes, *declared.shapes) if s
-        )
+        self.size_m = size_m_of(declared)
 
     def routes(self, candidate: Candidate) -> Routes:
         """See `BodySimulator`."""
@@ -66,7 +65,7 @@ class LinkageSimulator:
             (simulated["q"] - measured["q"]).reshape(-1, len(turning)), -_LARGEST_JOINT_ERROR, _LARGEST_JOINT_ERROR
         )
         apart[:, turning] = (apart[:, turning] + np.pi) % (2.0 * np.pi) - np.pi
-        return np.concatenate([pose_errors(simulated, measured), apart], axis=1)
+        return np.concatenate([pose_errors(simulated, measured, self.size_m), apart], axis=1)
 
     def gaps(self, series: Series) -> FloatArray:
         """See `BodySimulator`."""
@@ -91,9 +90,11 @@ class LinkageSimulator:
         """See `BodySimulator`."""
         return nuisances_of(self.declared.base)
 
-    def reading_noise(self, noise: SensorNoise, step_s: float, horizon_s: float) -> FloatArray:
+    def reading_noise(self, noise: SensorNoise, slope_noise_per_s: float, horizon_s: float) -> FloatArray:
         """See `BodySimulator`."""
         q = noise.q or _NOISE_RAD
-        qd = noise.qd or q / step_s
+        qd = noise.qd or q * slope_noise_per_s
         joint = 2.0 * q**2 + (qd * horizon_s) ** 2 / 3.0
-        return np.concatenate([pose_noise(noise, step_s, horizon_s), np.full(len(self.channels) - 6, joint)])
+        return np.concatenate(
+            [pose_noise(noise, slope_noise_per_s, horizon_s, self.size_m), np.full(len(self.channels) - 6, joint)]
+        )

@@ -26,8 +26,8 @@ _AUX = "aux:"
 _PINNED = 1e-6  # half width of the bounds of a fixed value
 
 
-def ranges_of(model: MechanismModel, series: Sequence[Series], joint: int) -> JointRanges:
-    """Magnitudes at a joint over all trials, from smoothed columns q, qd, qdd."""
+def ranges_of(model: MechanismModel, series: Sequence[Series], joint: int, step_s: float) -> JointRanges:
+    """Magnitudes at a joint over all trials, from smoothed columns q, qd, qdd, rolled out in steps up to `step_s`."""
     q, qd, qdd = (np.concatenate([s.columns[n] for s in series]) for n in ("q", "qd", "qdd"))
     thin = np.s_[:: max(1, len(q) // 4000)]
     torque, load = inverse_dynamics(model.tree, q[thin], qd[thin], qdd[thin], model.gravity_W)
@@ -49,6 +49,7 @@ def ranges_of(model: MechanismModel, series: Sequence[Series], joint: int) -> Jo
             name.removeprefix(_AUX): float(np.median(np.concatenate([s.columns[name] for s in series])))
             for name in sorted(shared)
         },
+        step_s=step_s,
     )
 
 
@@ -56,9 +57,12 @@ def _size(values: FloatArray) -> float:
     return float(np.quantile(np.abs(values), _QUANTILE))
 
 
-def candidates_of(model: MechanismModel, series: Sequence[Series]) -> tuple[Candidate, ...]:
-    """Every effect of the library that these columns can reveal, at every joint, in library order."""
-    by_joint = [ranges_of(model, series, j) for j in range(len(model.tree))]
+def candidates_of(model: MechanismModel, series: Sequence[Series], step_s: float) -> tuple[Candidate, ...]:
+    """Every effect of the library that these columns can reveal, at every joint, in library order.
+
+    Roll-outs take steps of at most `step_s`, which bounds how stiff a law may be.
+    """
+    by_joint = [ranges_of(model, series, j, step_s) for j in range(len(model.tree))]
     return tuple(
         variant
         for each in EFFECTS

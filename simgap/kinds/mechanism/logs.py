@@ -9,9 +9,8 @@ import numpy as np
 from schemas.arrays import FloatArray, IntArray
 from sim.dynamics.hooks import Series
 from simgap.kinds.mechanism.smooth import Smooth, smooth
+from simgap.kinds.mechanism.time_scale import TimeScale, time_scale
 from simgap.recording.recording import Trial
-
-_ROW_S = 4e-3  # rows closer than this are thinned
 
 
 @dataclass(frozen=True)
@@ -32,13 +31,15 @@ class Log:
         return self.block // 2 + 1
 
 
-def log_of(trial: Trial, known: Smooth | None = None) -> Log:
+def log_of(trial: Trial, scale: TimeScale | None = None, known: Smooth | None = None) -> Log:
     """The trial smoothed, then thinned; inputs, which are held from row to row, are averaged over the rows left out.
 
-    `known` is what smoothing gave before, of the same motion.
+    `scale` is that of the recording, by default of this trial alone; `known` is what smoothing gave before, of the
+    same motion.
     """
-    smoothed = known or smooth(trial.t_s, trial.q)
-    every = max(1, int(_ROW_S / float(np.median(np.diff(trial.t_s))) + 1e-6))
+    scale = scale or time_scale([trial])
+    smoothed = known or smooth(trial.t_s, trial.q, scale.span_s)
+    every = max(1, int(scale.largest_step_s / float(np.median(np.diff(trial.t_s))) + 1e-6))
     rows = np.arange(0, len(trial.t_s), every)
     columns = {"reading": trial.q[rows], "q": smoothed.q[rows], "qd": smoothed.qd[rows], "qdd": smoothed.qdd[rows]}
     for name in ("effort", "command"):

@@ -22,7 +22,6 @@ from simgap.kinds.mechanism.windowed_logs import WindowedLogs
 from simgap.problem import Candidate, DirectEstimate, JointMotion, Model, Problem, View
 from simgap.recording.read import Measurement
 
-MECHANISM_HORIZON_S = 0.2  # jointed things move less per time than tossed ones: 80 ms would measure the encoder
 _LARGEST_ROLLOUT_ERROR = 1e6
 
 _TIMING: dict[InputTiming, str] = {
@@ -38,17 +37,11 @@ class MechanismProblem(Problem):
     Effects are searched on `whole_trials`; roll-outs from smoothed readings localise the error and state the gain.
     """
 
-    def __init__(
-        self,
-        measurement: Measurement,
-        horizon_s: float = MECHANISM_HORIZON_S,
-        *,
-        logs: WindowedLogs | None = None,
-    ) -> None:
+    def __init__(self, measurement: Measurement, *, logs: WindowedLogs | None = None) -> None:
         """`logs` of the measurement may be given; by default those of the stamps."""
         self.measurement = measurement
-        self.horizon_s = horizon_s
-        self.logs = logs or WindowedLogs(measurement, horizon_s)
+        self.logs = logs or WindowedLogs(measurement)
+        self.horizon_s = self.logs.scale.radian_s
 
     @property
     def declared(self) -> MechanismModel:
@@ -90,7 +83,7 @@ class MechanismProblem(Problem):
 
     def candidates(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`."""
-        return candidates_of(self.declared, [g.series for g in self.logs.by_trial.values()])
+        return candidates_of(self.declared, [g.series for g in self.logs.by_trial.values()], self.logs.step_s)
 
     def nuisances(self) -> tuple[Candidate, ...]:
         """See `simgap.problem.Problem`."""
@@ -145,13 +138,13 @@ class MechanismProblem(Problem):
         if trials is None:
             return None
         measurement = replace(self.measurement, trials=trials)
-        logs = WindowedLogs(measurement, self.horizon_s, self.logs.smooth(), self.timing)  # Motions stay.
-        return MechanismProblem(measurement, self.horizon_s, logs=logs)
+        logs = WindowedLogs(measurement, self.logs.scale, self.logs.smooth(), self.timing)  # Motions stay.
+        return MechanismProblem(measurement, logs=logs)
 
     def with_input_timing(self) -> MechanismProblem:
         """See `simgap.problem.Problem`; inputs act at the stamps where no other timing is significantly better."""
         logs = with_best_timing(self.logs, self.nuisances())
-        return MechanismProblem(self.measurement, self.horizon_s, logs=logs)
+        return MechanismProblem(self.measurement, logs=logs)
 
     def whole_trials(self, trials: Sequence[str]) -> MechanismTrials:
         """See `simgap.problem.Problem`."""

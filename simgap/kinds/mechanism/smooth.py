@@ -8,9 +8,7 @@ import numpy as np
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from schemas.arrays import FloatArray
-
-_SPAN_S = 0.06  # of the local cubic; at least 7 rows, at most 61
-_ORDER = 3
+from simgap.kinds.mechanism.time_scale import CUBIC_ORDER, LEAST_CUBIC_ROWS, even_readings, odd_rows
 
 
 @dataclass(frozen=True)
@@ -29,25 +27,23 @@ class Smooth:
     noise_gain: float
 
 
-def smooth(t_s: FloatArray, q: FloatArray) -> Smooth:
-    """Local cubics through readings (n, j) at stamps (n,), resampled to even steps first when the stamps are uneven.
+def smooth(t_s: FloatArray, q: FloatArray, span_s: float) -> Smooth:
+    """Local cubics over `span_s` through readings (n, j) at stamps (n,), resampled to even steps first.
 
-    The noise is what the cubics leave, corrected for the freedom they take. Raises ValueError below 7 rows.
+    The noise is what the cubics leave, corrected for the freedom they take. Raises ValueError below seven rows.
     """
-    if len(t_s) < 7:
-        raise ValueError(f"{len(t_s)} rows are too few for derivatives; at least 7 are needed")
-    step = float(np.median(np.diff(t_s)))
-    even = np.arange(t_s[0], t_s[-1] + 0.5 * step, step)
-    readings = np.stack([np.interp(even, t_s, column) for column in q.T], axis=1)
-    rows = int(np.clip(round(_SPAN_S / step), 7, 61)) | 1
-    rows = min(rows, len(even) if len(even) % 2 else len(even) - 1)
+    if len(t_s) < LEAST_CUBIC_ROWS:
+        raise ValueError(f"{len(t_s)} rows are too few for derivatives; at least {LEAST_CUBIC_ROWS} are needed")
+    step, even, readings = even_readings(t_s, q)
+    rows = odd_rows(span_s, step, len(even))
     fitted, rate, change = (
-        np.asarray(savgol_filter(readings, rows, _ORDER, deriv=d, delta=step, axis=0, mode="interp")) for d in range(3)
+        np.asarray(savgol_filter(readings, rows, CUBIC_ORDER, deriv=d, delta=step, axis=0, mode="interp"))
+        for d in range(3)
     )
-    centre = np.asarray(savgol_coeffs(rows, _ORDER))[rows // 2]
+    centre = np.asarray(savgol_coeffs(rows, CUBIC_ORDER))[rows // 2]
     spread = 1.4826 * np.median(np.abs(readings - fitted), axis=0)
     q_noise = np.maximum(spread / np.sqrt(max(1.0 - centre, 0.1)), 1e-12)
-    qd_noise = q_noise * np.linalg.norm(np.asarray(savgol_coeffs(rows, _ORDER, deriv=1, delta=step)))
+    qd_noise = q_noise * np.linalg.norm(np.asarray(savgol_coeffs(rows, CUBIC_ORDER, deriv=1, delta=step)))
 
     def back(values: FloatArray) -> FloatArray:
         return np.stack([np.interp(t_s, even, column) for column in values.T], axis=1)

@@ -22,11 +22,11 @@ from simgap.kinds.mechanism.equation_error import SPANS, balance, in_noise_level
 from simgap.kinds.mechanism.input_timing import TIMINGS, InputTiming, possible_timings, with_timing
 from simgap.kinds.mechanism.logs import log_of
 from simgap.kinds.mechanism.smooth import Smooth
+from simgap.kinds.mechanism.time_scale import TimeScale, time_scale
 from simgap.kinds.mechanism.windows import Cut, cut, windows_of
 from simgap.problem import Model, View
 from simgap.recording.read import Measurement
 
-_LARGEST_STEP_S = 5e-3
 _STEP_SWING = 0.15  # of a radian of the fastest controlled swing per step
 _MOST_WINDOWS = 240  # over all trials; each has at least `_LEAST_WINDOWS`
 _LEAST_WINDOWS = 6
@@ -38,22 +38,27 @@ class WindowedLogs:
     def __init__(
         self,
         measurement: Measurement,
-        horizon_s: float,
+        scale: TimeScale | None = None,
         known: Mapping[str, Smooth] | None = None,
         timing: InputTiming = "stamps",
     ) -> None:
-        """`known` smoothed motions by trial id are taken as they are; `timing` is when inputs act and rows are read."""
+        """`scale` and `known` smoothed motions by trial id are those of the readings where they are left out.
+
+        `timing` is when inputs act and rows are read.
+        """
         self.measurement = measurement
         self.declared: MechanismModel = build_mechanism(measurement.spec, measurement.root)
-        self.horizon_s = horizon_s
+        self.scale = scale or time_scale(measurement.trials)
         self.timing: InputTiming = timing
-        self.by_trial = {t.id: log_of(with_timing(t, timing), (known or {}).get(t.id)) for t in measurement.trials}
+        self.by_trial = {
+            t.id: log_of(with_timing(t, timing), self.scale, (known or {}).get(t.id)) for t in measurement.trials
+        }
         self.row_s = float(np.median(np.concatenate([np.diff(t.t_s) for t in measurement.trials])))
         step = float(np.median(np.concatenate([np.diff(g.series.t_s) for g in self.by_trial.values()])))
-        self.step_s = _largest_step_s(self.declared)
+        self.step_s = _largest_step_s(self.declared, self.scale)
         left_open = [possible_timings(t) for t in measurement.trials] if timing == "stamps" else [()]
         self.open_timings: list[InputTiming] = [b for b in TIMINGS[1:] if all(b in some for some in left_open)]
-        self._rows = max(4, round(horizon_s / step) + 1)
+        self._rows = max(4, round(self.scale.radian_s / step) + 1)
         self._windows = max(_LEAST_WINDOWS, _MOST_WINDOWS // len(self.by_trial))
         self._floors: dict[tuple[View, tuple[str, ...]], FloatArray] = {}
         self._gathered: dict[tuple[View, tuple[str, ...]], tuple[tuple[object, ...], Windows]] = {}
@@ -68,7 +73,7 @@ class WindowedLogs:
         """The same measurement with another input timing."""
         if timing not in self._at_timing:
             known = self.smooth() if timing != "even" else None
-            self._at_timing[timing] = WindowedLogs(self.measurement, self.horizon_s, known, timing)
+            self._at_timing[timing] = WindowedLogs(self.measurement, self.scale, known, timing)
         return self._at_timing[timing]
 
     def cut(self, trial: str, view: View) -> Cut:
@@ -107,7 +112,7 @@ class WindowedLogs:
         if key not in self._floors:
             smooth = [self.by_trial[t].smooth for t in trials]
             read = np.mean([(s.noise_gain * s.q_noise) ** 2 for s in smooth], axis=0)
-            ahead = np.mean([(s.qd_noise * self.horizon_s) ** 2 / 3.0 for s in smooth], axis=0)
+            ahead = np.mean([(s.qd_noise * self.scale.radian_s) ** 2 / 3.0 for s in smooth], axis=0)
             self._floors[key] = np.sqrt(read + np.minimum(read + ahead, self._carried(trials, view)))
         return self._floors[key]
 
@@ -132,12 +137,12 @@ class WindowedLogs:
         return np.sum([np.nanmean((judged(start) - plain) ** 2, axis=0) for start in moved], axis=0)
 
 
-def _largest_step_s(declared: MechanismModel) -> float:
-    """Steps that follow the controller's own swing: a step's error must stay below what effects do."""
+def _largest_step_s(declared: MechanismModel, scale: TimeScale) -> float:
+    """Steps that follow the motion and the controller's own swing: a step's error must stay below what effects do."""
     if declared.drive.type != "position_pd":
-        return _LARGEST_STEP_S
+        return scale.largest_step_s
     joints = len(declared.tree)
     inertia = np.diag(mass_matrix(declared.tree, np.zeros((1, joints)))[0])
     stiffness = np.abs(declared.drive.kp * declared.drive.effort_per_unit)
     fastest = float(np.sqrt((stiffness / inertia).max()))
-    return float(np.clip(_STEP_SWING / max(fastest, 1e-9), 1e-3, _LARGEST_STEP_S))
+    return float(np.clip(_STEP_SWING / max(fastest, 1e-300), scale.finest_step_s, scale.largest_step_s))

@@ -12,6 +12,7 @@ from schemas.arrays import FloatArray
 from sim.dynamics.mechanism import MechanismModel
 from simgap.kinds.mechanism.equation_error import effort_balance
 from simgap.kinds.mechanism.logs import log_of
+from simgap.kinds.mechanism.time_scale import time_scale
 from simgap.problem import Model
 from simgap.recording.read import Measurement
 from simgap.report.pictures.binned import binned_medians, block_means
@@ -30,7 +31,8 @@ def left_over_figure(
     declared: MechanismModel, measurement: Measurement, model: Model, trials: Sequence[str]
 ) -> Figure | None:
     """The picture before it is drawn: efforts in N m (N of a sliding joint), states in SI."""
-    logs = [log_of(t) for t in measurement.trials if t.id in set(trials)]
+    scale = time_scale(measurement.trials)
+    logs = [log_of(t, scale) for t in measurement.trials if t.id in set(trials)]
     left = np.concatenate(effort_balance(declared, logs)(model))
     joint = int(np.argmax(left.std(axis=0)))
     link, effort = declared.tree[joint], left[:, joint]

@@ -14,6 +14,7 @@ from sim.dynamics.mechanism import MechanismModel
 from sim.effects.library import effect
 from simgap.kinds.mechanism.equation_error import effort_balance
 from simgap.kinds.mechanism.logs import Log, log_of
+from simgap.kinds.mechanism.time_scale import time_scale
 from simgap.problem import Model
 from simgap.recording.read import Measurement
 from simgap.report.pictures.binned import binned_medians, block_means
@@ -34,7 +35,8 @@ def unexplained_figure(
     declared: MechanismModel, measurement: Measurement, model: Model, name: str, where: Place, trials: Sequence[str]
 ) -> Figure | None:
     """The picture before it is drawn: efforts in N m (N of a sliding joint), states in SI."""
-    logs = [log_of(t) for t in measurement.trials if t.id in set(trials)]
+    scale = time_scale(measurement.trials)
+    logs = [log_of(t, scale) for t in measurement.trials if t.id in set(trials)]
     effort = effort_balance(declared, logs)
     joint = next((j for j, link in enumerate(declared.tree) if link.name == where.joint), 0)
     without, with_law = (np.concatenate([e[:, joint] for e in effort(m)]) for m in ((), model))

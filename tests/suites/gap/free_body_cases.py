@@ -53,7 +53,7 @@ def free_body_case(number: int) -> Case:
     else:
         some = _effects(box, weight)
         name, hidden = list(some.items())[(number - number // 3) % len(some)]
-    spec, again = _spec(box), deepcopy(rng)
+    spec, again = spec_of(box), deepcopy(rng)
     problem = _recorded(box, spec, hidden, rng)
     gain = ideal_gain(problem(), _recorded(box, spec, replace(hidden, hidden={}), again)()) if hidden.truth else 0.0
     size_word = size_of(gain) if hidden.truth else ""
@@ -73,7 +73,7 @@ def free_body_case(number: int) -> Case:
 def _recorded(box: Box, spec: MeasurementSpec, made: Toss, rng: np.random.Generator) -> Callable[[], FreeBodyProblem]:
     """Tosses as MuJoCo makes them, as a problem; starts and noise follow from the state of `rng`."""
     recordings = [toss(box, made.hidden, rng, made.noise, made.step_s) for _ in range(TRIALS)]
-    measurement = _measured(spec, recordings)
+    measurement = measured(spec, recordings)
     return lambda: FreeBodyProblem(measurement, RigidBodySimulator(build_body(spec, Path(".")), BulletBodyRollout()))
 
 
@@ -117,7 +117,8 @@ def _effects(box: Box, weight: float) -> dict[str, Toss]:
     }
 
 
-def _spec(box: Box) -> MeasurementSpec:
+def spec_of(box: Box) -> MeasurementSpec:
+    """The measurement that its owner writes for the box."""
     return MeasurementSpec.model_validate(
         {
             "schema_version": 1,
@@ -144,7 +145,8 @@ def _spec(box: Box) -> MeasurementSpec:
     )
 
 
-def _measured(spec: MeasurementSpec, recordings: list[Recording]) -> Measurement:
+def measured(spec: MeasurementSpec, recordings: list[Recording]) -> Measurement:
+    """The recordings as they are read."""
     trials = []
     for k, r in enumerate(recordings):
         n = len(r.t_s)

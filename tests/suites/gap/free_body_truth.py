@@ -42,8 +42,15 @@ class Recording:
     w: np.ndarray
 
 
-def toss(box: Box, hidden: Hidden, rng: np.random.Generator, noise: float = 1.0, step_s: float = STEP_S) -> Recording:
-    """One toss with hidden effects, read with noise, jitter and lost rows."""
+def toss(
+    box: Box,
+    hidden: Hidden,
+    rng: np.random.Generator,
+    noise: float = 1.0,
+    step_s: float = STEP_S,
+    row_s: float = ROW_S,
+) -> Recording:
+    """One toss with hidden effects, read every `row_s` with noise, jitter and lost rows."""
     model = mujoco.MjModel.from_xml_string(_document(box, hidden, step_s))
     data = mujoco.MjData(model)
     start = Rotation.from_quat(rng.normal(size=4))
@@ -59,7 +66,8 @@ def toss(box: Box, hidden: Hidden, rng: np.random.Generator, noise: float = 1.0,
         true[k] = [*data.qpos, *data.qvel]
         data.xfrc_applied[1, :3] = _force(hidden, data.qvel[:3], data.xmat[1].reshape(3, 3) @ data.qvel[3:])
         mujoco.mj_step(model, data)
-    stamps = 0.03 + np.arange(ROWS) * ROW_S + rng.normal(0.0, 2e-4, ROWS)
+    count = round(ROWS * ROW_S / row_s)
+    stamps = 0.03 + np.arange(count) * row_s + rng.normal(0.0, 2e-4, count)
     rows = np.clip(np.round(stamps / step_s).astype(int), 0, len(true) - 2)
     late = np.clip(rows - round(pause / step_s), 0, len(true) - 2)
     # A step moves the body by the speed at its end: the speed at its beginning is half a step old.

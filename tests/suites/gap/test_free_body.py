@@ -83,12 +83,15 @@ def test_a_trial_as_long_as_a_window_leaves_the_others_as_they_are():
         assert np.array_equal(one, other)
 
 
+# The last two: `make test` runs such searches in tests/simgap/kinds/free_body/test_guard_cases.py.
+@pytest.mark.long
 def test_another_engine_with_nothing_hidden_gives_no_name():
     record = run_case(free_body_case(2))
     assert record["family"] == "control"
     assert record["outcome"] in ("silent", "doubted")
 
 
+@pytest.mark.long
 def test_a_slippery_box_is_named_by_both_routes():
     record = run_case(free_body_case(0))
     assert record["outcome"] == "named"

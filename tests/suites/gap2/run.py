@@ -22,12 +22,12 @@ from typing import Any
 from tests.suites.gap2.finder import find_in
 from tests.suites.gap2.foreign import foreign_cases
 from tests.suites.gap2.generate.cases import CaseFiles, family_of, mechanism_case, write_case
-from tests.suites.gap2.generate.tosses.cases import toss_case
+from tests.suites.gap2.generate.tosses.cases import toss_case, tumble_case
 from tests.suites.gap2.generate.truth import FAMILIES, Truth
 from tests.suites.gap2.score import line, scored_record, table
 
 Record = dict[str, Any]
-KINDS: dict[str, Callable[[int], CaseFiles]] = {"mechanism": mechanism_case, "toss": toss_case}
+KINDS: dict[str, Callable[[int], CaseFiles]] = {"mechanism": mechanism_case, "toss": toss_case, "tumble": tumble_case}
 _KEPT = ("verdict", "traps", "gains", "n_train", "n_test", "wall_s")
 
 

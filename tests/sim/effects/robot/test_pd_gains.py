@@ -51,6 +51,6 @@ def test_only_a_position_drive_shows_gains(type, observable: bool):
     q = np.sin(T_S)[:, None]
     series = Series(T_S, {"q": q, "qd": np.cos(T_S)[:, None], "qdd": -q, "command": 1.1 * q, "effort": q})
     model = slide(Drive(type, np.array([KP]), np.array([KD])))
-    gains = [c for c in candidates_of(model, [series]) if c.effect.name == NAME]
+    gains = [c for c in candidates_of(model, [series], 4e-3) if c.effect.name == NAME]
     assert len(gains) == observable
     assert [c.null for c in gains] == [{"kp": KP, "kd": KD}] * observable

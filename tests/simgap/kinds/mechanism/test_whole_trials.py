@@ -111,8 +111,7 @@ def test_a_blow_from_an_uncertain_start_is_put_right_by_beginning_elsewhere():
 
 def test_steps_as_long_as_rows_cost_a_stop_a_twentieth_of_its_stiffness():
     problem = _swing(0.0, NOISE, stop=STOP)
-    trials, model = problem.whole_trials(problem.trial_ids), (_stop_of(problem),)
-    assert trials.step_s == ROW_S
+    trials, model = replace(problem.whole_trials(problem.trial_ids), step_s=ROW_S), (_stop_of(problem),)
     fit = fit_model(trials, model, starts_on(trials, model, POLICY).starts, POLICY)
     assert (fit.deviance / fit.rows < 3.0).all()
     values = fit.model[0].values

@@ -1,4 +1,4 @@
-"""Thrown and sliding boxes by an integrator of their own: flight with drag and lift, sliding without turning; SI.
+"""Thrown, sliding and tumbling boxes by integrators of their own; SI.
 
 States (r, 13) are what a tracker of the body's origin reads without noise: position, quaternion wxyz, velocity in the
 world, angular velocity in the body. All runs of a call advance together, from row to row.
@@ -7,27 +7,27 @@ world, angular velocity in the body. All runs of a call advance together, from r
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
-import numba
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tests.suites.gap2.generate.arrays import Array
+from tests.suites.gap2.generate.flight import flight_rates, njit
+from tests.suites.gap2.generate.tumbling import box_corners, tumble_runs
 
 GRAVITY = 9.81  # m/s2
 _LARGEST_STEP_S = 2e-3
-_GUST_HZ = 4.0
 
 
 @dataclass(frozen=True)
 class Box:
-    """A box as its owner believes it: edges (3,) m, mass kg, friction with the board; `slides` flat, or flies."""
+    """A box as its owner believes it: edges (3,) m, mass kg, friction with the board; it slides, tumbles or flies."""
 
     size_m: Array
     mass_kg: float
     mu: float
     slides: bool
+    tumbles: bool = False
 
     @property
     def inertia_kgm2(self) -> Array:
@@ -75,15 +75,20 @@ def move(box: Box, hidden: HiddenInBox, t_s: Array, start: Array) -> Array:
     x[:, 7:10] += turn.apply(np.cross(x[:, 10:], com))
     out = np.empty((*t.shape, 13))
     gravity, force = gravity_vector(hidden), np.array(hidden.force)
+    board = np.array([hidden.rough, hidden.rough_count, hidden.fading])
     if box.slides:
         mu = box.mu if hidden.mu is None else hidden.mu
         pull = gravity + force / box.mass_kg
         drags = np.array([hidden.drag, hidden.square_drag]) / box.mass_kg
-        board = np.array([hidden.rough, hidden.rough_count, hidden.fading])
         _slide_runs(t, x, mu * max(-pull[2], 0.0), pull, drags, board, out)
     else:
-        forces = np.array([hidden.drag, hidden.square_drag, hidden.lift, hidden.gust])
-        _fly_runs(t, x, gravity + force / box.mass_kg, forces / box.mass_kg, box.inertia_kgm2, out)
+        forces = np.array([hidden.drag, hidden.square_drag, hidden.lift, hidden.gust]) / box.mass_kg
+        pull = gravity + force / box.mass_kg
+        if box.tumbles:
+            corners, mu = box_corners(box.size_m) - com, box.mu if hidden.mu is None else hidden.mu
+            tumble_runs(t, x, pull, forces, box.inertia_kgm2 / box.mass_kg, corners, mu, board, out)
+        else:
+            _fly_runs(t, x, pull, forces, box.inertia_kgm2, out)
     turn = _rotation(out[..., 3:7].reshape(-1, 4))
     many = out.reshape(-1, 13)
     many[:, :3] -= turn.apply(np.tile(com, (len(many), 1)))
@@ -103,39 +108,6 @@ def gravity_vector(hidden: HiddenInBox) -> Array:
     return Rotation.from_rotvec([*hidden.tilt, 0.0]).apply([0.0, 0.0, -hidden.gravity])
 
 
-njit: Any = numba.njit(cache=True)
-
-
-@njit
-def _flight_rates(x, t, pull, forces, inertia, dx):
-    """Time derivative of one flying body; forces (drag, square drag, lift, gust) are per mass."""
-    qw, qx, qy, qz = x[3], x[4], x[5], x[6]
-    vx, vy, vz = x[7], x[8], x[9]
-    wx, wy, wz = x[10], x[11], x[12]
-    dx[0], dx[1], dx[2] = vx, vy, vz
-    dx[3] = -0.5 * (qx * wx + qy * wy + qz * wz)
-    dx[4] = 0.5 * (qw * wx + qy * wz - qz * wy)
-    dx[5] = 0.5 * (qw * wy - qx * wz + qz * wx)
-    dx[6] = 0.5 * (qw * wz + qx * wy - qy * wx)
-    drag = forces[0] + forces[1] * np.sqrt(vx * vx + vy * vy + vz * vz)
-    dx[7], dx[8], dx[9] = pull[0] - drag * vx, pull[1] - drag * vy, pull[2] - drag * vz
-    if forces[2] != 0.0:  # angular velocity in the world: w + 2 qw (u x w) + 2 u x (u x w)
-        ax, ay, az = qy * wz - qz * wy, qz * wx - qx * wz, qx * wy - qy * wx
-        sx = wx + 2.0 * (qw * ax + qy * az - qz * ay)
-        sy = wy + 2.0 * (qw * ay + qz * ax - qx * az)
-        sz = wz + 2.0 * (qw * az + qx * ay - qy * ax)
-        dx[7] += forces[2] * (sy * vz - sz * vy)
-        dx[8] += forces[2] * (sz * vx - sx * vz)
-        dx[9] += forces[2] * (sx * vy - sy * vx)
-    if forces[3] != 0.0:
-        push = forces[3] * np.sin(2.0 * np.pi * _GUST_HZ * t)
-        dx[7] += push
-        dx[8] += 0.5 * push
-    dx[10] = (inertia[1] - inertia[2]) * wy * wz / inertia[0]
-    dx[11] = (inertia[2] - inertia[0]) * wz * wx / inertia[1]
-    dx[12] = (inertia[0] - inertia[1]) * wx * wy / inertia[2]
-
-
 @njit
 def _fly_runs(t, start, pull, forces, inertia, out):
     """Fourth-order Runge-Kutta steps of every run, into out (r, rows, 13)."""
@@ -149,10 +121,10 @@ def _fly_runs(t, start, pull, forces, inertia, out):
             h = span / steps
             for s in range(steps):
                 now = t[r, row] + s * h
-                _flight_rates(x, now, pull, forces, inertia, k[0])
-                _flight_rates(x + 0.5 * h * k[0], now + 0.5 * h, pull, forces, inertia, k[1])
-                _flight_rates(x + 0.5 * h * k[1], now + 0.5 * h, pull, forces, inertia, k[2])
-                _flight_rates(x + h * k[2], now + h, pull, forces, inertia, k[3])
+                flight_rates(x, now, pull, forces, inertia, k[0])
+                flight_rates(x + 0.5 * h * k[0], now + 0.5 * h, pull, forces, inertia, k[1])
+                flight_rates(x + 0.5 * h * k[1], now + 0.5 * h, pull, forces, inertia, k[2])
+                flight_rates(x + h * k[2], now + h, pull, forces, inertia, k[3])
                 x = x + h / 6.0 * (k[0] + 2.0 * k[1] + 2.0 * k[2] + k[3])
                 x[3:7] /= np.sqrt((x[3:7] ** 2).sum())
             out[r, row + 1] = x

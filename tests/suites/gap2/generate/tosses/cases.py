@@ -1,8 +1,9 @@
-"""The list of tosses: boxes that fly or slide, with a cause, level and log by a rule from a number."""
+"""The lists of tosses: boxes that fly or slide, or tumble, with a cause, level and log by a rule from a number."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,9 +11,17 @@ from tests.suites.gap2.generate.arrays import Array
 from tests.suites.gap2.generate.bodies import HiddenInBox, move
 from tests.suites.gap2.generate.cases import SEED, CaseFiles, family_of, turn_of
 from tests.suites.gap2.generate.power import LEVELS, strength_for
-from tests.suites.gap2.generate.tosses.causes import LIBRARY, OUTSIDE, PAIRS, TWINS, TossCause
+from tests.suites.gap2.generate.tosses.causes import (
+    LIBRARY,
+    OUTSIDE,
+    PAIRS,
+    TUMBLE_LIBRARY,
+    TUMBLE_OUTSIDE,
+    TWINS,
+    TossCause,
+)
 from tests.suites.gap2.generate.tosses.files import toss_files
-from tests.suites.gap2.generate.tosses.recording import draw_toss
+from tests.suites.gap2.generate.tosses.recording import TrackedToss, draw_toss, draw_tumble
 from tests.suites.gap2.generate.tosses.rivals import labelled
 from tests.suites.gap2.generate.truth import Family, HiddenEffect, Truth
 
@@ -25,8 +34,45 @@ def toss_case(number: int) -> CaseFiles:
     family, turn = family_of(number), turn_of(number)
     rng = np.random.default_rng([SEED, 1, number])
     causes, slides, level, control = _chosen(family, turn)
-    tracked = draw_toss(slides, rng)
-    way = _way(rng)
+    draft = _made(number, causes, level, control, draw_toss(slides, rng), rng)
+    tracked, readings = draft.tracked, draft.readings
+    truth = replace(draft.truth, scene="slide" if slides else "flight")
+    truth = labelled(truth, tracked, readings) if len(causes) == 1 else truth
+    return toss_files(truth, tracked, readings, rng)
+
+
+def tumble_case(number: int) -> CaseFiles:
+    """The tumbling box of that number. Its causes have no equals: refits through contacts would not find these.
+
+    Families are those of all lists; where a family needs equals, a single effect is hidden.
+    """
+    family, turn = family_of(number), turn_of(number)
+    rng = np.random.default_rng([SEED, 2, number])
+    causes, level, control = [], "", ""
+    if family == "control":
+        control = _CONTROLS[turn % len(_CONTROLS)]
+    else:
+        some = TUMBLE_OUTSIDE if family == "outside" else TUMBLE_LIBRARY
+        family = family if family in ("outside", "left_out") else "single"
+        causes, level = [some[turn % len(some)]], ("gross", "large")[turn // len(some) % 2]
+    draft = _made(number, causes, level, control, draw_tumble(rng), rng)
+    return toss_files(replace(draft.truth, family=family, scene="tumble"), draft.tracked, draft.readings, rng)
+
+
+@dataclass(frozen=True)
+class _Made:
+    """A case before its files: the toss, what it shows (r, rows, 13), and its truth without equals."""
+
+    tracked: TrackedToss
+    readings: Array
+    truth: Truth
+
+
+def _made(
+    number: int, causes: Sequence[TossCause], level: str, control: str, tracked: TrackedToss, rng: np.random.Generator
+) -> _Made:
+    """Causes at the strength of their level."""
+    family, way = family_of(number), _way(rng)
     if control == "noise":
         tracked = replace(tracked, sigma_m=5.0 * tracked.sigma_m, sigma_rad=5.0 * tracked.sigma_rad)
     actual = tracked.box
@@ -53,7 +99,7 @@ def toss_case(number: int) -> CaseFiles:
         "",
         family,
         "free_body",
-        "slide" if slides else "flight",
+        "",
         tuple(effects),
         level=level,
         level_reached=reached,
@@ -64,9 +110,7 @@ def toss_case(number: int) -> CaseFiles:
         left_out=(causes[0].name,) if family == "left_out" else (),
         control=control,
     )
-    if len(effects) == 1:
-        truth = labelled(truth, tracked, readings)
-    return toss_files(truth, tracked, readings, rng)
+    return _Made(tracked, readings, truth)
 
 
 def _chosen(family: Family, turn: int) -> tuple[list[TossCause], bool, str, str]:

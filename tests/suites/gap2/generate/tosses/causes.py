@@ -87,6 +87,10 @@ OUTSIDE: tuple[TossCause, ...] = (
     TossCause("outside.friction_by_place", True, lambda s, way, box: HiddenInBox(rough=s, rough_count=25.0), most=0.9),
     TossCause("outside.friction_fades", True, lambda s, way, box: HiddenInBox(fading=s), most=0.9),
 )
+_BY_NAME = {cause.name: cause for cause in (*LIBRARY, *OUTSIDE)}
+# Of boxes that tumble: no two of these, and no library effect beside them, leave the same trace in falls and contacts.
+TUMBLE_LIBRARY = tuple(_BY_NAME[name] for name in ("contact.friction", "body.com_offset"))
+TUMBLE_OUTSIDE = tuple(_BY_NAME[f"outside.{name}"] for name in ("friction_by_place", "friction_fades", "lift", "gusts"))
 # What each twin is hidden as; whether it is one follows from the data.
 TWINS = (
     ("world.gravity_magnitude", False),

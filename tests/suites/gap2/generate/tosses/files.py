@@ -39,7 +39,7 @@ def toss_files(truth: Truth, tracked: TrackedToss, readings: Array, rng: np.rand
     columns: dict[str, object] = {"t": "t", "p": list(_NAMES[:3]), "q_wxyz": list(_NAMES[3:7])}
     if with_rates:
         columns |= {"v": list(_NAMES[7:10]), "w_body": list(_NAMES[10:])}
-    height_m = 0.0 if box.slides else -6.0
+    height_m = 0.0 if box.slides or box.tumbles else -6.0
     spec: dict[str, object] = {
         "schema_version": 1,
         "name": measurement,

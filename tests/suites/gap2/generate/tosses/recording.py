@@ -40,6 +40,30 @@ class TrackedToss:
         return float(np.sqrt(0.5 * max(np.mean(error[..., :3] ** 2), np.mean(error[..., 3:] ** 2))))
 
 
+def draw_tumble(rng: np.random.Generator) -> TrackedToss:
+    """A box of 3 to 40 cm that is thrown from about its length above the board, 8 to 30 trials at 60 to 500 Hz.
+
+    Trials last ten to fifteen times as long as it falls its length.
+    """
+    length = float(np.exp(rng.uniform(np.log(0.03), np.log(0.4))))
+    size = length * rng.uniform(0.5, 1.0, 3)
+    mass = float(np.exp(rng.uniform(np.log(150.0), np.log(1500.0))) * size.prod())
+    box = Box(size, mass, float(rng.uniform(0.2, 0.5)), slides=False, tumbles=True)
+    rate, fall_s = float(np.exp(rng.uniform(np.log(60.0), np.log(500.0)))), float(np.sqrt(length / GRAVITY))
+    trials, rows = int(rng.integers(8, 31)), max(30, int(rng.uniform(10.0, 15.0) * fall_s * rate))
+    jitter = float(rng.choice([0.0, 0.01, 0.05]))
+    t = np.round((np.arange(rows) + np.clip(rng.normal(0.0, jitter, (trials, rows)), -0.2, 0.2)) / rate, 6)
+    t -= t[:, :1]
+    start = np.zeros((trials, 13))
+    aim, speed = rng.uniform(0.0, 2.0 * np.pi, trials), rng.uniform(0.3, 1.6, trials) * length / fall_s
+    start[:, 2] = rng.uniform(1.0, 2.0, trials) * float(np.linalg.norm(size))
+    start[:, 3:7] = np.roll(Rotation.random(trials, rng=rng).as_quat(), 1, axis=1)
+    start[:, 7], start[:, 8] = speed * np.cos(aim), speed * np.sin(aim)
+    start[:, 10:] = rng.normal(0.0, 0.3, (trials, 3)) / fall_s
+    sigma = length * float(np.exp(rng.uniform(np.log(5e-4), np.log(3e-3))))
+    return TrackedToss(box, t, start, sigma, float(rng.uniform(2e-3, 8e-3)), rate)
+
+
 def draw_toss(slides: bool, rng: np.random.Generator) -> TrackedToss:
     """A box of 3 to 40 cm, 8 to 30 trials at 60 to 500 Hz."""
     length = float(np.exp(rng.uniform(np.log(0.03), np.log(0.4))))
