@@ -10,7 +10,7 @@ from scipy.signal import savgol_coeffs, savgol_filter
 from schemas.arrays import FloatArray
 
 _SPAN_S = 0.06  # of the local cubic; at least 7 rows, at most 61
-_ORDER = 3
+ORDER = 3
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,12 @@ def smooth(t_s: FloatArray, q: FloatArray) -> Smooth:
     rows = int(np.clip(round(_SPAN_S / step), 7, 61)) | 1
     rows = min(rows, len(even) if len(even) % 2 else len(even) - 1)
     fitted, rate, change = (
-        np.asarray(savgol_filter(readings, rows, _ORDER, deriv=d, delta=step, axis=0, mode="interp")) for d in range(3)
+        np.asarray(savgol_filter(readings, rows, ORDER, deriv=d, delta=step, axis=0, mode="interp")) for d in range(3)
     )
-    centre = np.asarray(savgol_coeffs(rows, _ORDER))[rows // 2]
+    centre = np.asarray(savgol_coeffs(rows, ORDER))[rows // 2]
     spread = 1.4826 * np.median(np.abs(readings - fitted), axis=0)
     q_noise = np.maximum(spread / np.sqrt(max(1.0 - centre, 0.1)), 1e-12)
-    qd_noise = q_noise * np.linalg.norm(np.asarray(savgol_coeffs(rows, _ORDER, deriv=1, delta=step)))
+    qd_noise = q_noise * np.linalg.norm(np.asarray(savgol_coeffs(rows, ORDER, deriv=1, delta=step)))
 
     def back(values: FloatArray) -> FloatArray:
         return np.stack([np.interp(t_s, even, column) for column in values.T], axis=1)
