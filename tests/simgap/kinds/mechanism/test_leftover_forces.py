@@ -64,9 +64,30 @@ def test_a_right_law_beside_a_second_cause_as_large_is_refused(second: str) -> N
     assert shape(problem, "coulomb_friction").reason is Reason.SHAPE_DIFFERS
 
 
+def test_what_a_law_explains_alone_is_its_force_over_the_inertia() -> None:
+    """But for what the believed inertia and weight, 5 % off at most, could do of it."""
+    problem = hiding(SWING, viscous_friction=0.1)
+    model = fitted(problem, "viscous_friction")
+    damping, inertia = model[-1].values["damping_Nms_per_rad"], float(SWING.plant.inertia[0])
+    for one in problem.leftovers(model, problem.trial_ids):
+        states = {axis.words: axis.values for axis in one.axes}
+        expected = damping / inertia * states["velocity"].std() / states["acceleration"].std()
+        assert one.own[model[-1].candidate.key].std() / one.whole.std() == pytest.approx(expected, rel=0.1)
+
+
 def test_an_effect_that_noise_hides_is_not_doubted_for_its_shape() -> None:
     decision = shape(hiding(Stage(7003, "swing", 30.0), quadratic_drag=0.01), "viscous_friction")
     assert (decision.kept, decision.reason) == (True, Reason.SHAPE_HIDDEN)
+
+
+@pytest.mark.parametrize(("scene", "noise"), [("swing", 20.0), ("driven", 20.0), ("slide", 5.0), ("swing", 1.0)])
+def test_known_friction_at_standstill_is_no_force_that_repeats(scene: str, noise: float) -> None:
+    """With whatever friction is needed there, the chance of structure is 0.005 in three of the four."""
+    problem = Stage(7003, scene, noise, 0.1).problem({})
+    null = tuple(Term(c, dict(c.start)) for c in problem.nuisances())
+    leftovers = problem.leftovers(null, problem.trial_ids)
+    assert len(leftovers) > 0
+    assert structures(leftovers, POLICY.alpha)[0].p_value > POLICY.alpha
 
 
 def test_nothing_is_rolled_out(monkeypatch: pytest.MonkeyPatch) -> None:

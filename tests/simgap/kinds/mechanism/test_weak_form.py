@@ -9,7 +9,7 @@ from simgap.kinds.mechanism.smooth import smooth
 from simgap.kinds.mechanism.weak_form import mean_accelerations, means, weak_means
 
 STEP_S, ROWS, STRETCH = 5e-3, 400, 48
-T_S = STEP_S * np.arange(ROWS)
+T_S = STEP_S * np.arange(ROWS, dtype=np.float64)
 
 
 def test_a_parabola_has_its_acceleration_in_every_stretch() -> None:
