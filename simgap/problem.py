@@ -105,14 +105,14 @@ class Leftover:
 
     values      (b, c) in noise levels of the channel.
     own         (b, c) by key of an effect: what the balance without it leaves more, when all others have moved.
-    whole       (b, c) the model's own acceleration, in the same noise levels.
+    noise       (c,) that level; rad/s2 or m/s2.
     axes        that the values are compared along; `forwards` (b, c) is the direction of motion.
     trials      (b,) number of the trial.
     """
 
     values: FloatArray
     own: dict[str, FloatArray]
-    whole: FloatArray
+    noise: FloatArray
     axes: tuple[StateAxis, ...]
     forwards: BoolArray
     trials: IntArray

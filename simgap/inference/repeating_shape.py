@@ -16,10 +16,10 @@ from schemas.sim_gap.decisions import Reason
 from simgap.inference.decision import Decision, criterion, decide
 from simgap.problem import Leftover, StateAxis
 
-_BINS = 10  # of equally many stretches; half as many for either direction
+_STATE_BINS = 10  # of equally many stretches; half as many for either direction
 _FEWEST_PIECES = 20  # whose signs are flipped: so many give chances small enough for all axes together
 _FLIPS = 4000
-_SEED = 0
+_SIGN_SEED = 0
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,12 @@ class Structure:
 def structures(leftovers: Sequence[Leftover], alpha: float) -> tuple[Structure, ...]:
     """Along every axis of every leftover and channel, the most significant first; `visible` is at chance `alpha`."""
     tests = sum(len(one.axes) * one.values.shape[1] for one in leftovers)
-    found = [s for number, one in enumerate(leftovers) for s in _along_axes(one, number, tests, alpha)]
-    return tuple(sorted(found, key=lambda s: (s.p_value, -s.size)))
+    every_structure = [s for number, one in enumerate(leftovers) for s in _along_axes(one, number, tests, alpha)]
+    return tuple(sorted(every_structure, key=lambda s: (s.p_value, -s.size)))
 
 
 def shape_of(
-    key: str, leftovers: Sequence[Leftover], found: Sequence[Structure], alpha: float, share: float
+    key: str, leftovers: Sequence[Leftover], every_structure: Sequence[Structure], alpha: float, share: float
 ) -> Decision:
     """Whether an effect's law has the shape of the force that it stands for; refused where another would fit as well.
 
@@ -56,21 +56,21 @@ def shape_of(
     the law must have at least the `share` of both, in squares. Where noise would hide a structure that matters, along
     every axis, the reason says so and the effect is not doubted.
     """
-    if not found:
+    if not every_structure:
         none = criterion("balances that are known in enough stretches", 0, "<=", 0)
         return decide([(Reason.PASSED, none)], Reason.SHAPE_HIDDEN)
     explained = [float((one.own[key] ** 2).sum(axis=1).mean()) for one in leftovers]
-    of_seen = [(_share(explained[s.number], s.size), s) for s in found if s.p_value < alpha]
+    of_seen = [(_share(explained[s.number], s.size), s) for s in every_structure if s.p_value < alpha]
     if of_seen:
         least, at = min(of_seen, key=lambda pair: pair[0])
         quantity = f"share of what repeats in the balance along {at.words} that the law explains"
         return decide([(Reason.SHAPE_DIFFERS, criterion(quantity, least, ">=", share))])
-    smallest = max(_share(explained[s.number], s.visible) for s in found)
+    smallest = max(_share(explained[s.number], s.visible) for s in every_structure)
     if smallest < share:
         quantity = "share that the law would explain beside the least structure that these trials show"
         return decide([(Reason.PASSED, criterion(quantity, smallest, "<", share))], Reason.SHAPE_HIDDEN)
-    quantity = f"p-value of structure in the balance along {found[0].words}"
-    return decide([(Reason.SHAPE_DIFFERS, criterion(quantity, found[0].p_value, ">=", alpha))])
+    quantity = f"p-value of structure in the balance along {every_structure[0].words}"
+    return decide([(Reason.SHAPE_DIFFERS, criterion(quantity, every_structure[0].p_value, ">=", alpha))])
 
 
 def _share(explained: float, left: float) -> float:
@@ -79,7 +79,7 @@ def _share(explained: float, left: float) -> float:
 
 def _along_axes(leftover: Leftover, number: int, tests: int, alpha: float) -> Iterator[Structure]:
     pieces, trials = _pieces(leftover.trials)
-    signs = np.random.default_rng(_SEED).choice([-1.0, 1.0], size=(_FLIPS, len(trials)))
+    signs = np.random.default_rng(_SIGN_SEED).choice([-1.0, 1.0], size=(_FLIPS, len(trials)))
     apart = trials[:, None] != trials[None, :]
     for channel in range(leftover.values.shape[1]):
         values = leftover.values[:, channel]
@@ -100,7 +100,7 @@ def _products(
 
     A product of means m1 m2 counts as often as there are stretches in the bin.
     """
-    sums, counts = (np.zeros((len(apart), _BINS)) for _ in range(2))
+    sums, counts = (np.zeros((len(apart), _STATE_BINS)) for _ in range(2))
     np.add.at(sums, (pieces, bins), values)
     np.add.at(counts, (pieces, bins), 1.0)
     pairs = np.einsum("ib,ij,jb->b", counts, apart, counts)
@@ -113,8 +113,8 @@ def _bins(axis: StateAxis, forwards: BoolArray, channel: int) -> IntArray:
     """(b,) bins of equally many stretches, from the lowest value up; those forwards after those backwards."""
     values = axis.values[:, channel]
     if not axis.by_direction:
-        return _equal_counts(values, _BINS)
-    return _equal_counts(values, _BINS // 2) + _BINS // 2 * forwards[:, channel]
+        return _equal_counts(values, _STATE_BINS)
+    return _equal_counts(values, _STATE_BINS // 2) + _STATE_BINS // 2 * forwards[:, channel]
 
 
 def _equal_counts(values: FloatArray, bins: int) -> IntArray:

@@ -17,7 +17,7 @@ from simgap.inference.decision import Decided, Decision, all_of, criterion, deci
 from simgap.inference.intervals import Sides, differs_from_none, parameters, symmetric, threshold_excess, wider
 from simgap.inference.repeating_shape import Structure, shape_of, structures
 from simgap.inference.verdict_text import NAMED, STRANGE, statement, status
-from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
+from simgap.problem import Candidate, DirectEstimate, Leftover, Model, Problem, Term
 from simgap.whole_trials.check import WholeTrialCheck
 from simgap.whole_trials.confidence_set import ConfidenceSet
 from simgap.whole_trials.fit_model import half_widths
@@ -56,7 +56,7 @@ def judge(
     decisions: list[Decided] = []
     direct: dict[str, tuple[DirectEstimate | None, Decision]] = {}
     leftovers = problem.leftovers(chosen.model, problem.trial_ids)
-    found = structures(leftovers, policy.alpha)
+    every_structure = structures(leftovers, policy.alpha)
     misshapen: list[Candidate] = []
     for term in chosen.effects:
         own, others = widths[term.candidate.key], tuple(t for t in chosen.model if t is not term)
@@ -72,7 +72,7 @@ def judge(
             differs_from_none(term, sides),
             *(_inseparable(a) for a in alternatives),
             agreement,
-            shape := shape_of(term.candidate.key, leftovers, found, policy.alpha, policy.shape_share),
+            shape := shape_of(term.candidate.key, leftovers, every_structure, policy.alpha, policy.shape_share),
         ]
         doubts = [d for d in every if not d.kept]
         named.append(
@@ -102,7 +102,7 @@ def judge(
     else:
         words = _outside(gains[-1], named) if unexplained else statement(gains, named, groups, bool(misshapen))
         if misshapen and not (unexplained or certain or groups):
-            words = _another_force(misshapen, found[0])
+            words = _another_force(problem, misshapen, every_structure[0], leftovers[every_structure[0].number])
     verdict = Verdict(
         status="outside_model_class" if unexplained or strange else status(certain, bool(groups), bool(misshapen)),
         effects=tuple(named),
@@ -120,12 +120,15 @@ def _outside(whole: Gain, named: Sequence[NamedEffect]) -> str:
     return f"Something outside the library acts: no model of it brings whole trials down to the noise, {left}{nearest}."
 
 
-def _another_force(misshapen: Sequence[Candidate], seen: Structure) -> str:
+def _another_force(problem: Problem, misshapen: Sequence[Candidate], seen: Structure, leftover: Leftover) -> str:
     """The sentence where whole trials come down to the noise, but the balance shows a force of another shape."""
     names = " and ".join(place_name(c) for c in misshapen)
+    size = seen.size * float(leftover.noise[seen.channel])
+    unit, channel = problem.channel_units()[seen.channel], problem.channels()[seen.channel]
     return (
         f"Something outside the library acts, it seems: {names} brings whole trials down to the noise, but in the "
-        f"balance of forces something else repeats along {seen.words}, which no values of it explain."
+        f"balance of forces {size:.2g} {unit}/s2 (rms) of {channel} repeat along {seen.words}, which no values of it "
+        f"explain."
     )
 
 

@@ -22,12 +22,12 @@ from simgap.kinds.mechanism.weak_form import WeakMeans, mean_accelerations, mean
 from simgap.problem import Leftover, Model, StateAxis
 from simgap.whole_trials.parameter_space import Space, vector_of
 
-_SPANS = (4, 8)  # lengths of stretches, in local cubics: shorter ones see fast states, longer ones small forces
+_STRETCHES = (4, 8)  # lengths of stretches, in local cubics: shorter ones see fast states, longer ones small forces
 _OUTLIER = 6.0  # noise levels at which single readings and impacts count no more
 _MOST_DOUBTFUL = 0.5  # noise levels that friction at standstill may change a stretch that counts
 _PASSES = 3  # of noise level, outliers and what counts
-_FEWEST = 20  # stretches: two in each bin
-_UNSEEN = 1e-7  # share of the balance below which a parameter changes nothing
+_FEWEST_STRETCHES = 20  # stretches: two in each bin
+_LEAST_CHANGE = 1e-7  # share of the balance below which a parameter changes nothing
 _LEAST_ROOM = 1e-3  # noise levels, over all stretches, that values at a bound may change beyond it
 
 Balance = Callable[[Model], FloatArray]
@@ -37,7 +37,7 @@ def leftovers_of(declared: MechanismModel, logs: Sequence[Log], model: Model) ->
     """The leftover of the model over stretches of each length that has enough of them."""
     logs = [inner(log) for log in logs]
     rows = rows_of(declared, logs)
-    every = (_leftover(rows, logs, span, model) for span in _SPANS)
+    every = (_leftover(rows, logs, span, model) for span in _STRETCHES)
     return tuple(one for one in every if one is not None)
 
 
@@ -58,19 +58,19 @@ def _leftover(
         read = base - noise * (left - np.clip(left, -_OUTLIER, _OUTLIER))
         noise = noise * _spread(left[certain])
         certain = np.asarray((doubtful < _MOST_DOUBTFUL * noise).all(axis=1))
-        if np.count_nonzero(certain) < _FEWEST:
+        if np.count_nonzero(certain) < _FEWEST_STRETCHES:
             return None
     accelerations = mean_accelerations(by_trial, at.columns["q"] / at.magnified) - base
-    own: dict[str, FloatArray] = {}
+    own_parts: dict[str, FloatArray] = {}
     for term in model:
         if not term.candidate.nuisance:
             added = unexplained(tuple(t for t in model if t is not term)) - base
             key = term.candidate.key
-            own[key] = slopes.without(key).least(added, certain, noise, believed=False)[certain]
+            own_parts[key] = slopes.without(key).least(added, certain, noise, believed=False)[certain]
     return Leftover(
         values=slopes.least(read, certain, noise)[certain],
-        own=own,
-        whole=(accelerations / noise)[certain],
+        own=own_parts,
+        noise=noise,
         axes=_axes(lambda values: means(by_trial, values)[certain], applied, at, accelerations[certain], logs),
         forwards=means(by_trial, at.columns["qd"])[certain] > 0.0,
         trials=np.repeat(np.arange(len(logs)), [m.mean.shape[0] for m in by_trial])[certain],
@@ -109,10 +109,10 @@ class _Slopes:
 
     def without(self, key: str) -> _Slopes:
         """Those of all other terms."""
-        kept = np.array([k != key for k in self.keys], dtype=bool)
+        is_other = np.array([k != key for k in self.keys], dtype=bool)
         names = tuple(k for k in self.keys if k != key)
-        by_parameter = (a[kept] for a in (self.offset, self.precision, self.low, self.high))
-        return _Slopes(names, self.columns[..., kept], *by_parameter)
+        by_parameter = (a[is_other] for a in (self.offset, self.precision, self.low, self.high))
+        return _Slopes(names, self.columns[..., is_other], *by_parameter)
 
     def least(self, values: FloatArray, used: BoolArray, noise: FloatArray, *, believed: bool = True) -> FloatArray:
         """What stays of values (b, j), in noise levels (j,), when the parameters move to where least of the used does.
@@ -146,7 +146,7 @@ def _slopes(unexplained: Balance, model: Model, base: FloatArray) -> _Slopes:
             step = term.candidate.step * (high - low) * (1.0 if value < 0.5 * (low + high) else -1.0)
             moved = replace(term, values={**term.values, name: value + step})
             change = unexplained((*model[:place], moved, *model[place + 1 :])) - base
-            if step == 0.0 or not np.abs(change).max() > _UNSEEN * np.abs(base).max():
+            if step == 0.0 or not np.abs(change).max() > _LEAST_CHANGE * np.abs(base).max():
                 continue
             keys.append(term.candidate.key)
             columns.append(change / step)

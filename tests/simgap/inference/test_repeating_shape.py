@@ -25,7 +25,7 @@ def leftover(force: Force, own: float = 3.0, seed: int = 0, trials: int = 12, st
     axes = [StateAxis("position", position[:, None]), StateAxis("velocity", velocity[:, None])]
     axes += [StateAxis("order of trials", number[:, None].astype(float), by_direction=True)]
     rest = {KEY: np.full((len(number), 1), own)}
-    return Leftover(values[:, None], rest, np.ones((len(number), 1)), tuple(axes), velocity[:, None] > 0.0, number)
+    return Leftover(values[:, None], rest, np.ones(1), tuple(axes), velocity[:, None] > 0.0, number)
 
 
 def nothing(position: FloatArray, velocity: FloatArray, number: FloatArray) -> FloatArray:

@@ -115,6 +115,9 @@ class DrawnProblem:
     def channels(self) -> tuple[str, ...]:
         return ("y",)
 
+    def channel_units(self) -> tuple[str, ...]:
+        return ("m",)
+
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         if candidate.effect.name not in self._direct:
             return None

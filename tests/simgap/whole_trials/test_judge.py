@@ -70,8 +70,8 @@ def another_force(size: float, *names: str) -> tuple[Leftover, ...]:
     rng = np.random.default_rng(3)
     place, trials = rng.uniform(-1.0, 1.0, (240, 1)), np.repeat(np.arange(12), 20)
     values = rng.normal(size=(240, 1)) + size * np.sign(np.abs(place) - 0.5)
-    own = {f"{n}@world": np.full((240, 1), 5.0) for n in names}
-    return (Leftover(values, own, np.ones((240, 1)), (StateAxis("position", place),), place > 0.0, trials),)
+    by_law = {f"{n}@world": np.full((240, 1), 5.0) for n in names}
+    return (Leftover(values, by_law, np.full(1, 0.1), (StateAxis("position", place),), place > 0.0, trials),)
 
 
 def test_a_law_beside_which_another_force_repeats_is_not_sure_though_whole_trials_come_down_to_the_noise() -> None:
@@ -79,7 +79,7 @@ def test_a_law_beside_which_another_force_repeats_is_not_sure_though_whole_trial
     assert reasons(found) == {Reason.SHAPE_DIFFERS}
     assert all(e.confidence < NAMED for e in found.verdict.effects)
     assert (found.verdict.status, found.verdict.ambiguous_groups) == ("outside_model_class", ())
-    assert "along position" in found.verdict.statement
+    assert "0.22 m/s2 (rms) of y repeat along position" in found.verdict.statement  # two of ten bins hold both signs
 
 
 def test_a_force_that_is_small_beside_a_law_leaves_it_sure() -> None:

@@ -39,8 +39,8 @@ def fitted(problem: MechanismProblem, name: str) -> Model:
 def shape(problem: MechanismProblem, name: str) -> Decision:
     model = fitted(problem, name)
     leftovers = problem.leftovers(model, problem.trial_ids)
-    found = structures(leftovers, POLICY.alpha)
-    return shape_of(model[-1].candidate.key, leftovers, found, POLICY.alpha, POLICY.shape_share)
+    repeating = structures(leftovers, POLICY.alpha)
+    return shape_of(model[-1].candidate.key, leftovers, repeating, POLICY.alpha, POLICY.shape_share)
 
 
 @pytest.mark.parametrize("name", ["viscous_friction", "coulomb_friction", "quadratic_drag", "detent", "spring"])
@@ -71,8 +71,8 @@ def test_what_a_law_explains_alone_is_its_force_over_the_inertia() -> None:
     damping, inertia = model[-1].values["damping_Nms_per_rad"], float(SWING.plant.inertia[0])
     for one in problem.leftovers(model, problem.trial_ids):
         states = {axis.words: axis.values for axis in one.axes}
-        expected = damping / inertia * states["velocity"].std() / states["acceleration"].std()
-        assert one.own[model[-1].candidate.key].std() / one.whole.std() == pytest.approx(expected, rel=0.1)
+        expected = damping / inertia * states["velocity"].std()
+        assert one.own[model[-1].candidate.key].std() * one.noise == pytest.approx(expected, rel=0.1)
 
 
 def test_an_effect_that_noise_hides_is_not_doubted_for_its_shape() -> None:
