@@ -126,9 +126,9 @@ def _another_force(problem: Problem, misshapen: Sequence[Candidate], seen: Struc
     size = seen.size * float(leftover.noise[seen.channel])
     unit, channel = problem.channel_units()[seen.channel], problem.channels()[seen.channel]
     return (
-        f"Something outside the library acts, it seems: {names} brings whole trials down to the noise, but in the "
-        f"balance of forces {size:.2g} {unit}/s2 (rms) of {channel} repeat along {seen.words}, which no values of it "
-        f"explain."
+        f"Something outside the library acts, it seems: with {names} whole trials come down to the noise, but in the "
+        f"balance of forces {size:.2g} {unit}/s2 (rms) of {channel} repeats along {seen.words}, which no values of the "
+        f"model explain."
     )
 
 

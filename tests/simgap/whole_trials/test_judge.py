@@ -79,7 +79,7 @@ def test_a_law_beside_which_another_force_repeats_is_not_sure_though_whole_trial
     assert reasons(found) == {Reason.SHAPE_DIFFERS}
     assert all(e.confidence < NAMED for e in found.verdict.effects)
     assert (found.verdict.status, found.verdict.ambiguous_groups) == ("outside_model_class", ())
-    assert "0.22 m/s2 (rms) of y repeat along position" in found.verdict.statement  # two of ten bins hold both signs
+    assert "0.22 m/s2 (rms) of y repeats along position" in found.verdict.statement  # two of ten bins hold both signs
 
 
 def test_a_force_that_is_small_beside_a_law_leaves_it_sure() -> None:
