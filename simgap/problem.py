@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
-from schemas.arrays import FloatArray
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.sim_gap.extension import Place
 from schemas.sim_gap.report import ConventionCheck, RolloutEngine
 from sim.dynamics.mechanism import MechanismModel
@@ -88,6 +88,37 @@ class DirectEstimate:
 
 
 @dataclass(frozen=True)
+class StateAxis:
+    """A state that forces may depend on, per stretch and channel (b, c); `by_direction`: apart for either direction."""
+
+    words: str
+    values: FloatArray
+    by_direction: bool = False
+
+
+@dataclass(frozen=True)
+class Leftover:
+    """What a model leaves of a balance in which nothing is simulated: c channels over b stretches of trials.
+
+    The parameters are moved first to where least is left, nuisances within their tolerance: what stays has a shape that
+    no values of them give.
+
+    values      (b, c) in noise levels of the channel.
+    own         (b, c) by key of an effect: what the balance without it leaves more, when all others have moved.
+    noise       (c,) that level; rad/s2 or m/s2.
+    axes        that the values are compared along; `forwards` (b, c) is the direction of motion.
+    trials      (b,) number of the trial.
+    """
+
+    values: FloatArray
+    own: dict[str, FloatArray]
+    noise: FloatArray
+    axes: tuple[StateAxis, ...]
+    forwards: BoolArray
+    trials: IntArray
+
+
+@dataclass(frozen=True)
 class JointMotion:
     """Stamps (k,) and joint positions (k, j), rad or m, that full roll-outs of one trial are compared with."""
 
@@ -146,6 +177,10 @@ class Problem(Protocol):
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         """The candidate's parameters without a simulator, beside the accepted terms `model`; None without a method."""
         ...
+
+    def leftovers(self, model: Model, trials: Sequence[str]) -> tuple[Leftover, ...]:
+        """What `model` leaves of the balance of forces, over stretches of several lengths; none without a balance."""
+        return ()
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
         """(c,) rms residual (SI) that noise of initial states and readings alone leaves."""

@@ -46,6 +46,8 @@ class Reason(StrEnum):
     NO_DIRECT_ESTIMATE = "no direct estimate"
     DIRECT_NOT_SIGNIFICANT = "direct estimate not significant"
     DIRECT_DISAGREES = "direct estimate disagrees"
+    SHAPE_DIFFERS = "another force repeats in the balance"
+    SHAPE_HIDDEN = "noise hides the shape"
     DIRECT_PREFERS = "direct estimate prefers"
     INPUTS_OF_OTHERS = "inputs of other trials fit as well"
     SINGLE_TRIAL = "a single test trial"

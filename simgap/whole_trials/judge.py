@@ -1,7 +1,8 @@
 """The verdict from a search on whole trials: an effect is sure where every reason for doubt is absent.
 
 An effect is sure if whole test trials come down to the noise, every model of the confidence set has it, its interval
-excludes none, the inputs belong to the motions, and the direct route, which simulates nothing, agrees on it.
+excludes none, the inputs belong to the motions, and the direct route, which simulates nothing, agrees on it: on the
+strength, and on the shape of the force.
 """
 
 from __future__ import annotations
@@ -14,8 +15,9 @@ from schemas.sim_gap.report import AmbiguousGroup, Gain, NamedEffect, Verdict
 from simgap.inference.agreement import NO_DIRECT_ESTIMATE, agree, with_fixed_shape
 from simgap.inference.decision import Decided, Decision, all_of, criterion, decide, place_name
 from simgap.inference.intervals import Sides, differs_from_none, parameters, symmetric, threshold_excess, wider
+from simgap.inference.repeating_shape import Structure, shape_of, structures
 from simgap.inference.verdict_text import NAMED, STRANGE, statement, status
-from simgap.problem import Candidate, DirectEstimate, Model, Problem, Term
+from simgap.problem import Candidate, DirectEstimate, Leftover, Model, Problem, Term
 from simgap.whole_trials.check import WholeTrialCheck
 from simgap.whole_trials.confidence_set import ConfidenceSet
 from simgap.whole_trials.fit_model import half_widths
@@ -53,6 +55,9 @@ def judge(
     groups: list[AmbiguousGroup] = []
     decisions: list[Decided] = []
     direct: dict[str, tuple[DirectEstimate | None, Decision]] = {}
+    leftovers = problem.leftovers(chosen.model, problem.trial_ids)
+    every_structure = structures(leftovers, policy.alpha)
+    misshapen: list[Candidate] = []
     for term in chosen.effects:
         own, others = widths[term.candidate.key], tuple(t for t in chosen.model if t is not term)
         like_it = (*twins.get(term.candidate.key, ()), *_same_law(problem, term.candidate))
@@ -67,6 +72,7 @@ def judge(
             differs_from_none(term, sides),
             *(_inseparable(a) for a in alternatives),
             agreement,
+            shape := shape_of(term.candidate.key, leftovers, every_structure, policy.alpha, policy.shape_share),
         ]
         doubts = [d for d in every if not d.kept]
         named.append(
@@ -80,9 +86,13 @@ def judge(
         )
         if not doubts:
             decisions.append((term.candidate, replace(all_of(every), reason=Reason.NAMED)))
+            if shape.reason is Reason.SHAPE_HIDDEN:
+                decisions.append((term.candidate, shape))
             continue
         decisions += [(term.candidate, doubt) for doubt in doubts]
-        if check.explains.kept:
+        if doubts == [shape]:
+            misshapen.append(term.candidate)
+        elif check.explains.kept:
             names = tuple(dict.fromkeys([term.candidate.effect.name, *(a.effect.name for a in alternatives)]))
             groups.append(AmbiguousGroup(effects=names, experiment=experiment_for(term.candidate, alternatives)))
     certain = any(e.confidence >= NAMED for e in named)
@@ -90,9 +100,11 @@ def judge(
     if strange:
         words = STRANGE
     else:
-        words = _outside(gains[-1], named) if unexplained else statement(gains, named, groups, False)
+        words = _outside(gains[-1], named) if unexplained else statement(gains, named, groups, bool(misshapen))
+        if misshapen and not (unexplained or certain or groups):
+            words = _another_force(problem, misshapen, every_structure[0], leftovers[every_structure[0].number])
     verdict = Verdict(
-        status="outside_model_class" if unexplained or strange else status(certain, bool(groups), False),
+        status="outside_model_class" if unexplained or strange else status(certain, bool(groups), bool(misshapen)),
         effects=tuple(named),
         ambiguous_groups=tuple(groups),
         statement=words,
@@ -106,6 +118,18 @@ def _outside(whole: Gain, named: Sequence[NamedEffect]) -> str:
     near = " and ".join(f"{e.name} at {e.where}" for e in named)
     nearest = f"; what comes nearest is {near}, not sure" if named else ""
     return f"Something outside the library acts: no model of it brings whole trials down to the noise, {left}{nearest}."
+
+
+def _another_force(problem: Problem, misshapen: Sequence[Candidate], seen: Structure, leftover: Leftover) -> str:
+    """The sentence where whole trials come down to the noise, but the balance shows a force of another shape."""
+    names = " and ".join(place_name(c) for c in misshapen)
+    size = seen.size * float(leftover.noise[seen.channel])
+    unit, channel = problem.channel_units()[seen.channel], problem.channels()[seen.channel]
+    return (
+        f"Something outside the library acts, it seems: with {names} whole trials come down to the noise, but in the "
+        f"balance of forces {size:.2g} {unit}/s2 (rms) of {channel} repeats along {seen.words}, which no values of the "
+        f"model explain."
+    )
 
 
 def experiment_for(candidate: Candidate, alternatives: Sequence[Candidate]) -> str:

@@ -35,6 +35,9 @@ class Policy:
     begins            rungs from which a candidate's fit climbs, those with its best scores.
     rung_iterations   steps of Gauss and Newton on each rung, and `iterations` at the end for so many `polished` models;
                       they end earlier at `least_step` of loss.
+    shape_share       share, in squares, that a law must explain of what repeats in the balance of forces: at 0.95 what
+                      no values explain has a quarter of the amplitude of what the law explains, more than engines and
+                      believed numbers (5 %) make of a law.
     contrast          error of a reading in a slice over that of one outside, below which (at its lower 95 % bound over
                       trials) a report does not call the slice the place of the error: at 1.25, 40 % of the readings
                       hold at least 45 % of the error.
@@ -63,6 +66,7 @@ class Policy:
     polished: int = 6
     iterations: int = 12
     least_step: float = 0.5
+    shape_share: float = 0.95
     contrast: float = 1.25
 
 

@@ -33,6 +33,14 @@ def _second_route_off() -> None:
     _patch(judge, "_direct_agreement", agrees)
 
 
+def _shape_test_off() -> None:
+    _patch(judge, "shape_of", lambda *inputs: decide([]))
+
+
+def _shape_always_hidden() -> None:
+    _patch(judge, "structures", lambda leftovers, alpha: ())
+
+
 def _numerics_off() -> None:
     def as_begun(system: Any, model: Any, starts: Any, policy: Any, **options: Any) -> Any:
         return fit_model.fit_at(system, model, starts)
@@ -120,6 +128,8 @@ def _toss_always_doubt() -> None:
 
 MUTATIONS: dict[str, Callable[[], None]] = {
     "second route off": _second_route_off,
+    "shape test off": _shape_test_off,
+    "no structure ever": _shape_always_hidden,
     "numerics off": _numerics_off,
     "never a group": _never_a_group,
     "BIC only": _bic_only,

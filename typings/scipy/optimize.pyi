@@ -25,6 +25,12 @@ class _LinearProgram:
     lower: Any
     upper: Any
 
+class _LinearLeastSquares:
+    x: NDArray[np.float64]
+    cost: float
+    success: bool
+
+def lsq_linear(A: ArrayLike, b: ArrayLike, bounds: tuple[ArrayLike, ArrayLike]) -> _LinearLeastSquares: ...
 def root_scalar(
     f: Callable[..., Any],
     args: tuple[Any, ...] = (),

@@ -36,6 +36,7 @@ from simgap.problem import Candidate, DirectEstimate, Model
 BLOCKS = 0  # a span: stretches of one local cubic, side by side, all rows alike
 SPANS = (BLOCKS, 4, 8)  # in local cubics
 _FADE = 4  # power of a half sine
+_SLOW = 3.0  # noise levels of a rate up to which a joint may stand
 
 
 def balance(
@@ -43,38 +44,68 @@ def balance(
 ) -> Callable[[Model], list[list[FloatArray]]]:
     """Unexplained acceleration of any model, rad/s2 or m/s2: per span, per trial (b, j); b over averages."""
 
-    def acceleration(applied: Applied, stack: _Stack) -> FloatArray:
-        effort, posture = _unexplained(applied, stack)
-        still = np.zeros_like(effort)
-        return posture.free_rates(still, effort, still[0], np.ones((len(effort), 1))) / stack.magnified
-
-    return _averaged(declared, logs, spans, acceleration)
+    return _averaged(declared, logs, spans, unexplained_acceleration)
 
 
 def effort_balance(declared: MechanismModel, logs: Sequence[Log]) -> Callable[[Model], list[FloatArray]]:
     """Unexplained effort of any model, N m or N: per trial (b, j); b over stretches of one local cubic side by side."""
-    errors = _averaged(declared, logs, (BLOCKS,), lambda applied, stack: _unexplained(applied, stack)[0])
+    errors = _averaged(declared, logs, (BLOCKS,), lambda applied, rows: _unexplained(applied, rows)[0])
     return lambda model: errors(model)[0]
+
+
+def unexplained_acceleration(applied: Applied, rows: Rows) -> FloatArray:
+    """Acceleration (n, j) of each row that the model cannot account for, in units of the readings; rad/s2 or m/s2."""
+    effort, posture = _unexplained(applied, rows)
+    return _freed(posture, effort) / rows.magnified
+
+
+def sliding_acceleration(applied: Applied, rows: Rows) -> tuple[FloatArray, FloatArray]:
+    """The same with the friction of sliding at every row; and by how much (n, j) friction may be less at each row.
+
+    It may where a joint may stand. To take whatever friction is needed there would leave nothing of the noise on one
+    side, and some of it on the other: on average a force against the motion.
+    """
+    rest, largest, posture = _beside_friction(applied, rows)
+    qd = rows.columns["qd"]
+    forward, backward = (np.maximum(largest[d], 0.0) for d in (1.0, -1.0))
+    standing = np.where(np.abs(qd) > _SLOW * rows.qd_noise, 0.0, forward + backward)
+    slid = _freed(posture, rest + np.where(qd > 0, forward, -backward))
+    return slid / rows.magnified, np.abs(_freed(posture, standing)) / rows.magnified
+
+
+def _freed(posture: Configuration, effort: FloatArray) -> FloatArray:
+    """Accelerations (n, j) that efforts alone would give."""
+    still = np.zeros_like(effort)
+    return posture.free_rates(still, effort, still[0], np.ones((len(effort), 1)))
+
+
+def rows_of(declared: MechanismModel, logs: Sequence[Log]) -> Callable[[Model], tuple[Applied, Rows]]:
+    """The mechanism of any model, with the rows of all logs as it maps inputs and readings."""
+    last: dict[object, Rows] = {}  # slopes of other terms leave readings and inputs as they are
+
+    def rows(model: Model) -> tuple[Applied, Rows]:
+        applied = apply_terms(declared, model)
+        if applied.maps not in last:
+            last.clear()
+            last[applied.maps] = _rows(logs, applied)
+        return applied, last[applied.maps]
+
+    return rows
 
 
 def _averaged(
     declared: MechanismModel,
     logs: Sequence[Log],
     spans: Sequence[int],
-    quantity: Callable[[Applied, _Stack], FloatArray],
+    quantity: Callable[[Applied, Rows], FloatArray],
 ) -> Callable[[Model], list[list[FloatArray]]]:
     """Averages of a quantity (n, j) of all rows: per span, per trial (b, j)."""
-    logs = [_inner(log) for log in logs]
+    logs = [inner(log) for log in logs]
     averages = tuple(_averages(logs, span) for span in spans)
-    stacks: dict[object, _Stack] = {}  # the last one: slopes of other terms leave readings and inputs as they are
+    rows = rows_of(declared, logs)
 
     def errors(model: Model) -> list[list[FloatArray]]:
-        applied = apply_terms(declared, model)
-        if applied.maps not in stacks:
-            stacks.clear()
-            stacks[applied.maps] = _stack(logs, applied)
-        stack = stacks[applied.maps]
-        rest = quantity(applied, stack)
+        rest = quantity(*rows(model))
         return [np.split(a.matrix @ rest, a.ends) for a in averages]
 
     return errors
@@ -115,7 +146,7 @@ def refitted(errors: Errors, model: Model) -> Fit:
 
 
 @dataclass(frozen=True)
-class _Stack:
+class Rows:
     """All rows of all trials below one another, and their blocks.
 
     spans       of the trials, in rows.
@@ -141,7 +172,7 @@ class _Averages:
     ends: IntArray
 
 
-def _inner(log: Log) -> Log:
+def inner(log: Log) -> Log:
     """Without the ends, where derivatives are one-sided, if enough is left."""
     m = log.margin
     if len(log.series.t_s) < 4 * m:
@@ -150,7 +181,7 @@ def _inner(log: Log) -> Log:
     return replace(log, series=Series(log.series.t_s[m:-m], columns))
 
 
-def _stack(logs: Sequence[Log], applied: Applied) -> _Stack:
+def _rows(logs: Sequence[Log], applied: Applied) -> Rows:
     series = [_centred(applied.sent(applied.recovered(log.series))) for log in logs]
     lengths = [len(s.t_s) for s in series]
     offsets = np.concatenate([[0], np.cumsum(lengths)])
@@ -158,7 +189,7 @@ def _stack(logs: Sequence[Log], applied: Applied) -> _Stack:
         np.broadcast_to(_rms(s.columns["qdd"]) / _rms(log.series.columns["qdd"]), (n, len(log.smooth.qd_noise)))
         for s, log, n in zip(series, logs, lengths, strict=True)
     ]
-    return _Stack(
+    return Rows(
         t_s=np.concatenate([s.t_s for s in series]),
         columns={n: np.concatenate([s.columns[n] for s in series]) for n in series[0].columns},
         qd_noise=np.concatenate([np.tile(log.smooth.qd_noise, (n, 1)) for log, n in zip(logs, lengths, strict=True)]),
@@ -213,28 +244,34 @@ def _rms(values: FloatArray) -> FloatArray:
     return np.sqrt((values**2).mean(axis=0)) + 1e-12
 
 
-def _unexplained(applied: Applied, stack: _Stack) -> tuple[FloatArray, Configuration]:
+def _unexplained(applied: Applied, rows: Rows) -> tuple[FloatArray, Configuration]:
     """Effort (n, j) that the model cannot account for at each row, and the postures there.
 
     Near standstill dry friction can take any value: the error there is only what exceeds it.
     """
+    rest, largest, posture = _beside_friction(applied, rows)
+    return rest + _friction(rest, rows.columns["qd"], largest, rows.qd_noise), posture
+
+
+def _beside_friction(applied: Applied, rows: Rows) -> tuple[FloatArray, dict[float, FloatArray], Configuration]:
+    """Effort (n, j) that the model beside dry friction leaves, the largest friction by direction, and the postures."""
     mechanism = applied.mechanism
-    q, qd = stack.columns["q"], stack.columns["qd"]
+    q, qd = rows.columns["q"], rows.columns["qd"]
     posture = joint_dynamics(mechanism.tree, mechanism.gravity_W).at(q)
-    required_effort = posture.required_effort(qd, stack.columns["qdd"])
+    required_effort = posture.required_effort(qd, rows.columns["qdd"])
     by_load = any(isinstance(law.hook, JointFriction) and law.hook.by_load for law in applied.laws)
     load = posture.load(qd) if by_load else np.full_like(q, np.nan)
-    given = _given(mechanism.drive, stack.columns, q, qd)
-    supply_V = stack.columns.get(f"aux:{SUPPLY}", np.full((len(q), 1), np.nan))
+    given = _given(mechanism.drive, rows.columns, q, qd)
+    supply_V = rows.columns.get(f"aux:{SUPPLY}", np.full((len(q), 1), np.nan))
     passive = -mechanism.damping * qd
     largest = {d: np.broadcast_to(mechanism.friction, q.shape).copy() for d in (-1.0, 1.0)}
     for number, law in enumerate(applied.laws):
         one = np.s_[:, law.joint : law.joint + 1]
-        state = JointState(stack.t_s[:, None], q[one], qd[one], given[one], stack.step_s, load[one], supply_V=supply_V)
+        state = JointState(rows.t_s[:, None], q[one], qd[one], given[one], rows.step_s, load[one], supply_V=supply_V)
         if isinstance(law.hook, EffortMap):
-            last = stack.passed.get(number)
+            last = rows.passed.get(number)
             if last is None or last[0] != law or not np.array_equal(last[1], state.effort):
-                stack.passed[number] = last = law, state.effort.copy(), _mapped(law.hook, law, state, stack.spans)
+                rows.passed[number] = last = law, state.effort.copy(), _mapped(law.hook, law, state, rows.spans)
             given[one] = last[2]
         elif isinstance(law.hook, JointTorque):
             passive[one] += step_value(law.hook, state, law.params, fresh_memory(law.hook, q[one].shape))
@@ -242,8 +279,7 @@ def _unexplained(applied: Applied, stack: _Stack) -> tuple[FloatArray, Configura
             for d, limit in largest.items():
                 now = state._replace(friction=limit[one], direction=d)
                 limit[one] += step_value(law.hook, now, law.params, fresh_memory(law.hook, q[one].shape))
-    rest = required_effort - given - passive
-    return rest + _friction(rest, qd, largest, stack.qd_noise), posture
+    return required_effort - given - passive, largest, posture
 
 
 def _mapped(hook: EffortMap, law: Law, state: JointState, spans: Sequence[tuple[int, int]]) -> FloatArray:
@@ -275,7 +311,7 @@ def _given(drive: Drive, columns: dict[str, FloatArray], q: FloatArray, qd: Floa
 
 def _friction(rest: FloatArray, qd: FloatArray, largest: dict[float, FloatArray], qd_noise: FloatArray) -> FloatArray:
     """Dry friction to add to the needed effort: the full limit when moving, whatever is needed when not."""
-    moving = np.abs(qd) > 3.0 * qd_noise
+    moving = np.abs(qd) > _SLOW * qd_noise
     forward = np.maximum(largest[1.0], 0.0)
     backward = np.maximum(largest[-1.0], 0.0)
     sliding = np.where(qd > 0, forward, -backward)

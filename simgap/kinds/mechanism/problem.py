@@ -17,9 +17,10 @@ from simgap.kinds.mechanism.choose_timing import with_best_timing
 from simgap.kinds.mechanism.equation_error import estimate
 from simgap.kinds.mechanism.input_timing import InputTiming, stamp_jitter_s
 from simgap.kinds.mechanism.inputs import permuted_inputs
+from simgap.kinds.mechanism.leftover_forces import leftovers_of
 from simgap.kinds.mechanism.whole_trials import MechanismTrials
 from simgap.kinds.mechanism.windowed_logs import WindowedLogs
-from simgap.problem import Candidate, DirectEstimate, JointMotion, Model, Problem, View
+from simgap.problem import Candidate, DirectEstimate, JointMotion, Leftover, Model, Problem, View
 from simgap.recording.read import Measurement
 
 _LARGEST_ROLLOUT_ERROR = 1e6
@@ -127,6 +128,10 @@ class MechanismProblem(Problem):
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         """See `simgap.problem.Problem`."""
         return estimate(*self.logs.balance_beside(model, trials), candidate)
+
+    def leftovers(self, model: Model, trials: Sequence[str]) -> tuple[Leftover, ...]:
+        """See `simgap.problem.Problem`."""
+        return leftovers_of(self.declared, [self.logs.by_trial[t] for t in trials], model)
 
     def noise_floor(self, trials: Sequence[str], view: View) -> FloatArray:
         """See `simgap.problem.Problem`."""

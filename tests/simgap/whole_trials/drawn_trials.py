@@ -9,7 +9,7 @@ import numpy as np
 from schemas.arrays import FloatArray
 from schemas.sim_gap.extension import Place
 from sim.effects.effect import Confusable
-from simgap.problem import Candidate, DirectEstimate, ImaginedRecording, Model
+from simgap.problem import Candidate, DirectEstimate, ImaginedRecording, Leftover, Model
 from simgap.whole_trials.ladder import ladder_of
 from simgap.whole_trials.policy import POLICY
 from simgap.whole_trials.search_models import ModelSearch, search_models
@@ -93,15 +93,30 @@ class Size:
 class DrawnProblem:
     """Stands for a problem: direct estimates by name of the effect."""
 
-    def __init__(self, direct: dict[str, tuple[float, float]], all_candidates: Sequence[Candidate] = ()) -> None:
-        """`direct` values with their standard errors."""
-        self._direct, self._candidates = direct, tuple(all_candidates)
+    def __init__(
+        self,
+        direct: dict[str, tuple[float, float]],
+        all_candidates: Sequence[Candidate] = (),
+        leftovers: tuple[Leftover, ...] = (),
+    ) -> None:
+        """`direct` values with their standard errors; `leftovers` of the balance, whatever the model."""
+        self._direct, self._candidates, self._leftovers = direct, tuple(all_candidates), leftovers
+
+    @property
+    def trial_ids(self) -> tuple[str, ...]:
+        return tuple(map(str, range(TRIALS)))
+
+    def leftovers(self, model: Model, trials: Sequence[str]) -> tuple[Leftover, ...]:
+        return self._leftovers
 
     def candidates(self) -> tuple[Candidate, ...]:
         return self._candidates
 
     def channels(self) -> tuple[str, ...]:
         return ("y",)
+
+    def channel_units(self) -> tuple[str, ...]:
+        return ("m",)
 
     def direct(self, candidate: Candidate, model: Model, trials: Sequence[str]) -> DirectEstimate | None:
         if candidate.effect.name not in self._direct:

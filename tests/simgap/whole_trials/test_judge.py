@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, cast
 
+import numpy as np
+
 from schemas.sim_gap.decisions import Reason
 from simgap.inference.verdict_text import NAMED, STRANGE
-from simgap.problem import Problem
+from simgap.problem import Leftover, Problem, StateAxis
 from simgap.search_result import gain_between
 from simgap.whole_trials.check import check_whole_trials
 from simgap.whole_trials.confidence_set import confidence_set
@@ -26,6 +28,7 @@ def judged(
     direct: dict[str, tuple[float, float]] = AGREES,
     outside: float = 0.0,
     strange: bool = False,
+    leftovers: tuple[Leftover, ...] = (),
 ) -> JudgedModel:
     search = searched(Drawn(truth, outside), names)
     null, chosen = search.null.fit, search.chosen.fit
@@ -33,7 +36,7 @@ def judged(
     check = check_whole_trials(test, null.model, chosen.model, (null, chosen), POLICY)
     whole = gain_between(check.null, check.final, "full_rollout", 0.0)
     short = whole.model_copy(update={"view": "short_horizon", "horizon_s": 0.2})
-    problem = cast(Problem, cast(Any, DrawnProblem(direct)))
+    problem = cast(Problem, cast(Any, DrawnProblem(direct, leftovers=leftovers)))
     return judge(problem, confidence_set(search, POLICY), check, (short, whole), test.trial_ids, strange, {}, POLICY)
 
 
@@ -60,6 +63,38 @@ def test_a_direct_estimate_that_disagrees_leaves_a_doubt() -> None:
     found = judged({"ramp": 6.0}, "ramp wave", {"ramp": (-6.0, 0.2)})
     assert found.verdict.status == "ambiguous"
     assert reasons(found) == {Reason.DIRECT_DISAGREES}
+
+
+def another_force(size: float, *names: str) -> tuple[Leftover, ...]:
+    """Noise of one and a force over position of so many noise levels, beside laws that explain five each."""
+    rng = np.random.default_rng(3)
+    place, trials = rng.uniform(-1.0, 1.0, (240, 1)), np.repeat(np.arange(12), 20)
+    values = rng.normal(size=(240, 1)) + size * np.sign(np.abs(place) - 0.5)
+    by_law = {f"{n}@world": np.full((240, 1), 5.0) for n in names}
+    return (Leftover(values, by_law, np.full(1, 0.1), (StateAxis("position", place),), place > 0.0, trials),)
+
+
+def test_a_law_beside_which_another_force_repeats_is_not_sure_though_whole_trials_come_down_to_the_noise() -> None:
+    found = judged({"ramp": 6.0}, "ramp wave", leftovers=another_force(2.5, "ramp"))
+    assert reasons(found) == {Reason.SHAPE_DIFFERS}
+    assert all(e.confidence < NAMED for e in found.verdict.effects)
+    assert (found.verdict.status, found.verdict.ambiguous_groups) == ("outside_model_class", ())
+    assert "0.22 m/s2 (rms) of y repeats along position" in found.verdict.statement  # two of ten bins hold both signs
+
+
+def test_a_force_that_is_small_beside_a_law_leaves_it_sure() -> None:
+    assert judged({"ramp": 6.0}, "ramp wave", leftovers=another_force(0.5, "ramp")).verdict.status == "effect_found"
+
+
+def test_a_misshapen_law_with_a_twin_is_a_group() -> None:
+    found = judged({"bow": 20.0}, "ramp bow twin", leftovers=another_force(2.5, "bow", "twin"))
+    assert found.verdict.status == "ambiguous"
+    assert Reason.SHAPE_DIFFERS in reasons(found)
+
+
+def test_a_shape_that_noise_hides_is_said_beside_the_name() -> None:
+    found = judged({"ramp": 6.0}, "ramp wave")
+    assert [d.reason for _, d in found.decisions] == [Reason.NAMED, Reason.SHAPE_HIDDEN]
 
 
 def test_without_a_direct_estimate_nothing_is_sure() -> None:
