@@ -31,12 +31,23 @@ class Law:
 
 
 def _trial(name: str, t_s: FloatArray, q: FloatArray) -> Trial:
-    absent = {
-        n: np.full((len(t_s), k), np.nan)
-        for n, k in (("p", 3), ("quat_wxyz", 4), ("v_W", 3), ("w_B", 3), ("command_p", 3), ("command_quat_wxyz", 4))
-    }
-    absent |= {n: np.full(q.shape, np.nan) for n in ("qd", "effort", "command")}
-    return Trial(id=name, t_s=t_s, q=q, **absent)
+    def absent(columns: int) -> FloatArray:
+        return np.full((len(t_s), columns), np.nan)
+
+    return Trial(
+        id=name,
+        t_s=t_s,
+        q=q,
+        p=absent(3),
+        quat_wxyz=absent(4),
+        v_W=absent(3),
+        w_B=absent(3),
+        command_p=absent(3),
+        command_quat_wxyz=absent(4),
+        qd=absent(q.shape[1]),
+        effort=absent(q.shape[1]),
+        command=absent(q.shape[1]),
+    )
 
 
 def swings(law: Law = Law()) -> tuple[Trial, ...]:

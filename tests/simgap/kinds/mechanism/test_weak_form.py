@@ -25,7 +25,7 @@ def test_a_fast_swing_balances_where_local_cubics_lose_a_tenth(jitter: float) ->
     t_s = T_S + jitter * STEP_S * rng.uniform(-0.5, 0.5, ROWS)
     rate = 2.0 * np.pi * 6.0
     q = np.sin(rate * t_s)[:, None]
-    smoothed = smooth(t_s, q)
+    smoothed = smooth(t_s, q, 0.06)
     weak = [weak_means(t_s, STRETCH, smoothed.rows)]
     inner = slice(1, -1)
     expected = means(weak, -(rate**2) * q)[inner]
