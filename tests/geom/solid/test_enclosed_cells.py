@@ -39,8 +39,8 @@ def two_rooms(*, wall_drawn: int):
     left, right = box(at=(0.5, 0.5, 0.5)), box(at=(1.5, 0.5, 0.5))
     points, triangles = weld_points(*together(left, right))
     on_wall = (np.abs(points[triangles][..., 0] - 1.0) < 1e-9).all(axis=1)
-    kept = [*np.flatnonzero(~on_wall), *np.flatnonzero(on_wall)[: 2 * wall_drawn]]
-    return points, triangles[np.sort(kept)]
+    faces = [*np.flatnonzero(~on_wall), *np.flatnonzero(on_wall)[: 2 * wall_drawn]]
+    return points, triangles[np.sort(faces)]
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -101,14 +101,14 @@ def carcass():
             high = np.array([grid[0][i + 1], grid[1][1], grid[2][k + 1]])
             boards.append(box(high - low, 0.5 * (low + high)))
     points, triangles = weld_points(*together(*boards))
-    seen: dict[tuple[float, ...], int] = {}
-    kept: list[int] = []
+    times_drawn: dict[tuple[float, ...], int] = {}
+    faces: list[int] = []
     for face, corners in enumerate(points[triangles]):
         side = tuple(np.round([*corners.min(axis=0), *corners.max(axis=0)], 6))
-        seen[side] = seen.get(side, 0) + 1
-        if seen[side] <= 2:
-            kept.append(face)
-    return points, triangles[kept]
+        times_drawn[side] = times_drawn.get(side, 0) + 1
+        if times_drawn[side] <= 2:
+            faces.append(face)
+    return points, triangles[faces]
 
 
 def test_boards_that_share_edges_are_a_body_with_open_compartments() -> None:
