@@ -32,6 +32,8 @@ LEADING_PART_SHARE = 0.5
 # Of a surface with open edges the cells count when their faces have this share of its area; else it is a sheet that
 # happens to enclose something, such as a blister in a scan, and stays whole.
 LEAST_ENCLOSED_SHARE = 0.5
+# Of the volume that the winding encloses: cells with less of it have leaked.
+LEAST_OF_WOUND = 0.99
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,8 @@ def as_manifold(points: FloatArray, triangles: IntArray) -> manifold3d.Manifold:
 def _closed_parts(mesh: Mesh) -> tuple[list[Surface], Mesh, int, float]:
     """Closed bodies with their cavities, the remaining faces, the number of cavities and the closed area.
 
-    A component with two faces at every edge is one body. One with more somewhere is as many as it encloses.
+    A component with two faces at every edge is one body. One with more somewhere is as many as it encloses, or one,
+    where its winding encloses more: surfaces that cross each other leave no closed cells.
     """
     if len(mesh.triangles) == 0:
         return [], mesh, 0, 0.0
@@ -155,7 +158,8 @@ def _closed_parts(mesh: Mesh) -> tuple[list[Surface], Mesh, int, float]:
     cavity = parts.solid & compact & (parts.volume < 0.0) & (parent >= 0)
     crowded = np.bincount(parts.label[(edges.uses[edges.of_face] > 2).any(axis=1)], minlength=parts.count) > 0
     crowded[parent[cavity]] = False
-    body = parts.solid & compact & (parts.volume > 0.0) & ~crowded
+    wound = parts.solid & compact & (parts.volume > 0.0)
+    body = wound & ~crowded
     owner = np.where(cavity, parent, np.arange(parts.count))
     face_owner = np.where((body | (cavity & ~crowded))[parts.label], owner[parts.label], -1)
     bodies = [_compact(mesh.points, mesh.triangles[face_owner == k]) for k in np.flatnonzero(body)]
@@ -163,6 +167,9 @@ def _closed_parts(mesh: Mesh) -> tuple[list[Surface], Mesh, int, float]:
     for part in np.flatnonzero(crowded):
         faces = np.flatnonzero(parts.label == part)
         enclosed, sheets = _enclosed_bodies(mesh.points, mesh.triangles[faces], open_edges=bool(parts.boundary[part]))
+        volume = sum(signed_volume(*surface) for surface in enclosed)
+        if wound[part] and volume < LEAST_OF_WOUND * parts.volume[part]:
+            enclosed, sheets = [_compact(mesh.points, mesh.triangles[faces])], np.zeros(len(faces), dtype=bool)
         bodies += enclosed
         left[faces] = sheets
     area = float(triangle_areas(mesh.points[mesh.triangles[~left]]).sum())

@@ -130,6 +130,24 @@ def test_no_face_of_a_crowded_surface_is_lost() -> None:
     assert bodies.closed_area + bodies.open_area == pytest.approx(drawn)
 
 
+def test_shells_that_cross_at_a_shared_edge_keep_what_their_winding_encloses() -> None:
+    """Around the edge the faces of both boxes alternate, so that inside and outside see each other."""
+    points, triangles = weld_points(*together(wedge(0.0, 120.0), wedge(60.0, 180.0)))
+    assert set(edges_of(triangles).uses) == {2, 4}
+    assert enclosed_cells(points, triangles).bodies == () or sum(volumes_of((points, triangles))) < 1.0
+    _, figures = solidify([mesh_of(points, triangles)])
+    assert (figures["method"], figures["components"]) == ("union", 1)
+
+
+def wedge(start_deg: float, end_deg: float):
+    """A prism of unit height over a triangle between two directions, one edge on the z axis."""
+    corners = [(0.0, 0.0), *((float(np.cos(a)), float(np.sin(a))) for a in np.radians([start_deg, end_deg]))]
+    low, high = ([(x, y, z) for x, y in corners] for z in (0.0, 1.0))
+    sides = [(i, (i + 1) % 3) for i in range(3)]
+    triangles = [(0, 2, 1), (3, 4, 5), *((i, j, 3 + j) for i, j in sides), *((i, 3 + j, 3 + i) for i, j in sides)]
+    return np.array([*low, *high]), np.array(triangles)
+
+
 def test_the_hidden_ends_of_a_board_wound_at_random_are_closed() -> None:
     bar, end = box((2.0, 0.1, 0.1)), box((0.2, 0.6, 0.6), at=(1.1, 0, 0))
     along = np.abs(bar[0][bar[1]][..., 0].sum(axis=1)) < 2.9
