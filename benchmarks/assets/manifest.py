@@ -112,16 +112,16 @@ def summary(table: list[dict], wall_s: float) -> None:
         print(expected, dict(Counter(t["verdict"] for t in group)), dict(Counter(t["outcome"] for t in group)))
     print("planned formats", dict(Counter(t["verdict"] for t in table if t["format"] in PLANNED)))
     print("review", sum(t["outcome"] == "review" for t in named), "of", len(named))
-    made = [t for t in named if t["packages"]]
-    stages = sorted({s for t in made for s in t["seconds"]})
+    packaged = [t for t in named if t["packages"]]
+    stages = sorted({s for t in packaged for s in t["seconds"]})
     for stage in stages:
-        spent = [t["seconds"].get(stage, 0.0) for t in made]
+        spent = [t["seconds"].get(stage, 0.0) for t in packaged]
         print(f"  {stage:14} median {median(spent):6.2f} s  sum {sum(spent):8.1f} s")
     print("crashes", sum(t["crashed"] or bool(CRASHES & set(t["codes"])) for t in table))
-    if costs := [t["cpu_s"] for t in made if t["cpu_s"] is not None]:
+    if costs := [t["cpu_s"] for t in packaged if t["cpu_s"] is not None]:
         print(f"  processor time median {median(costs):6.2f} s  max {max(costs):.1f} s")
-    if made:
-        totals = [sum(t["seconds"].values()) for t in made]
+    if packaged:
+        totals = [sum(t["seconds"].values()) for t in packaged]
         print(f"  asset          median {median(totals):6.2f} s  max {max(totals):.1f} s")
     print(f"wall {wall_s:.1f} s, {len(table)} rows, {sum(bool(t['cached']) for t in table)} cached")
 
