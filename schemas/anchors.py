@@ -58,7 +58,7 @@ class ContainmentVolume(_Model):
     """The inside of a receptacle. The anchor frame lies at the lowest point of the floor, under the opening.
 
     `opening` is the cross-section just below the rim at `height_m`, the usable height; `direction` points out of it.
-    `slices` cut the inside at the middles of equally high layers from the floor up; `volume_m3` is what they hold.
+    `slices` cut the inside at the middles of equally high layers from the floor up; `volume_m3` is what it holds.
     `passes_m` is the diameter of the largest ball that is sure to get in. `link` as of a surface: the id of the inside
     of a drawer is `<link>/inside`.
     """

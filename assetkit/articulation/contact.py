@@ -14,6 +14,7 @@ from assetkit.articulation.interaction_group import task_of
 from assetkit.articulation.joint_view import JointView
 from assetkit.taxonomy.words import singulars, words_of
 from geom.articulation.protruding_grip import find_standing_grip
+from geom.mesh.surface_distance import NearestOnSurface
 from schemas.arrays import FloatArray
 from schemas.articulation import ContactKind, JointContact
 from schemas.evidence import Evidence, inferred, measured
@@ -69,6 +70,7 @@ def find_contact(view: JointView, link: MovedLink, group: str, sense: int) -> Ev
     else:
         region = _edge(view, link, group, outward)
         position, normal = _edge_middle(view, region, group, outward)
+        position = _on_solid(link.solid, position)
     pull = _pull(view, position, sense)
     if view.joint.is_angular and group in ("lever", "unknown"):
         normal = -pull  # the side that is pushed
@@ -201,6 +203,14 @@ def _edge_middle(view: JointView, region: _Region, group: str, outward: FloatArr
         rim = upper[int(np.round(radius[upper], CONTACT_DIGITS).argmax())]
         return region.points[rim], across[rim] / max(float(radius[rim]), 1e-12)
     return _outer_middle(region.points, outward), outward
+
+
+def _on_solid(solid: Solid, position: FloatArray) -> FloatArray:
+    """(3,) a position in the solid as it is, one beside it (over a hollow edge) moved to the nearest point of it."""
+    nearest = NearestOnSurface(solid.points, solid.triangles)
+    if solid.kind != "shell" and nearest.inside(position[None])[0]:
+        return position
+    return nearest(position[None])[0][0]
 
 
 def _outer_middle(points: FloatArray, outward: FloatArray) -> FloatArray:

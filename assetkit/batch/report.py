@@ -8,6 +8,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from assetkit.batch.joint_rows import joint_rows
 from assetkit.package.record import RECORD
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
@@ -72,4 +73,9 @@ def _card(out: Path, name: str) -> dict[str, object]:
         "collider": method if chosen is None or chosen.accepted else f"{method}, a stand-in ({chosen.reason})",
         "shapes": chosen.shapes if chosen else 0,
         "poses": len(record.acceptance.stable_poses),
+        "joints": joint_rows(
+            [joint.value for joint in record.physics.joints],
+            record.joint_uses,
+            [anchor.value for anchor in record.anchors],
+        ),
     }

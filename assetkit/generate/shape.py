@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from manifold3d import CrossSection, Manifold, Mesh64, OpType
+from manifold3d import CrossSection, Manifold, OpType
 
 from geom.convex.hull import convex_hull
 from geom.mass.inertia import enclosed_volume
-from geom.mesh.manifold_arrays import manifold_arrays
+from geom.mesh.manifold_arrays import manifold_arrays, manifold_of
 from geom.pose import pose, rotation_about
 from schemas.arrays import FloatArray, IntArray
 from schemas.physics import CollisionShape, VolumeProperties
@@ -172,7 +172,7 @@ def drilled(plate_low_m: Point, plate_high_m: Point, holes: Sequence[tuple[float
 
 def _on_grid(solid: Manifold) -> Manifold:
     points, triangles = manifold_arrays(solid)
-    return Manifold(Mesh64(np.round(points, GRID_DECIMALS), triangles.astype(np.uint64)))
+    return manifold_of(np.round(points, GRID_DECIMALS), triangles)
 
 
 def _from_z(axis: AxisName) -> FloatArray:

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from geom.mesh.edges import edges_of
+from geom.mesh.manifold_arrays import signed_volume
 from geom.mesh.topology import repeats_point
-from geom.solid.closed_bodies import Bodies, Surface, signed_volume, unite
+from geom.solid.closed_bodies import Bodies, Surface, unite
 from geom.solid.self_intersections import SelfIntersection
 from geom.solid.solidify import core_of
 from schemas.model import Mesh

@@ -27,7 +27,7 @@ class ProposeParts(Stage):
     """Parts with their labels, in `review` where a role depends on a disputed one. Acceptance verifies the anchors."""
 
     name = "interaction"
-    version = 14
+    version = 15
     result = Interaction
     reads = (Canonical, Appearance, Semantics)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from manifold3d import Error, Manifold, Mesh64, OpType
+from manifold3d import Error, Manifold, OpType
 
-from geom.mesh.manifold_arrays import manifold_arrays
+from geom.mesh.manifold_arrays import manifold_arrays, manifold_of
 from geom.mesh.surface_distance import SignedDistance
 from schemas.arrays import FloatArray, IntArray
 
@@ -58,8 +58,7 @@ def simplify_body(points: FloatArray, triangles: IntArray) -> SimplifiedBody:
     scale = 0.5 * float(np.ptp(points, axis=0).max())
     if not scale > 0.0:
         raise ValueError("the surface has no extent")
-    unit = np.ascontiguousarray((points - centre) / scale, dtype=np.float64)
-    body = Manifold(Mesh64(unit, np.ascontiguousarray(triangles, dtype=np.uint64)))
+    body = manifold_of((points - centre) / scale, triangles)
     if body.status() != Error.NoError or not body.volume() > 0.0:
         raise ValueError("the surface is not a closed manifold")
     whole = _without_cavities(body)

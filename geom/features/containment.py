@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -25,6 +27,7 @@ from schemas.physics import Solid
 # Cosine: an opening faces up within 25 degrees.
 UPWARD_COSINE = 0.9
 LAYERS = 12
+REFINED_SHARE = 1e-3  # of the volume: what half a step between two layers may be wrong by
 # The rim is known to a grid cell: the topmost closed section is searched from there down, at these shares of the depth.
 RIM_STEPS = (0.005, 0.02, 0.05, 0.1, 0.2, 0.3)
 # The opening is at least this share of the largest disc that fits, as the grid of `geom.features.cavities` sees it.
@@ -39,7 +42,7 @@ class Containment:
     opening        x and y of the free cross-section just below the rim.
     floor_m, rim_m heights of its lowest point and of the rim, or of the topmost closed section.
     heights_m      (k,) middles of equally high layers from the floor up; `layers` are the free regions there.
-    volume_m3      volume of all layers.
+    volume_m3      of the inside: the layers, refined between two of them where the section jumps, as at a shoulder.
     """
 
     cavity: Cavity
@@ -78,15 +81,39 @@ def _inside(cuts: CrossSections, rays: Rays, cavity: Cavity) -> Containment | No
     floor_m += 0.5 * (solid.wall_thickness_m or 0.0)
     thickness = (rim_m - floor_m) / LAYERS
     heights = floor_m + thickness * (np.arange(LAYERS, dtype=np.float64) + 0.5)
-    layers, before = list[BaseGeometry]([opening]), top - step * depth_m
+    sections = [_Section(top - step * depth_m, opening)]
     for height_m in heights[::-1].tolist():
-        layers.append(_free_below(cuts, rays, height_m, layers[-1], max(before - height_m, 0.0)))
-        before = height_m
-    layers = [_simple(layer, cavity) for layer in reversed(layers[1:])]
-    volume = float(thickness * sum(layer.area for layer in layers))
+        sections.append(_section_below(cuts, rays, sections[-1], height_m))
+    layers = tuple(_simple(section.free, cavity) for section in reversed(sections[1:]))
+    least_m3 = REFINED_SHARE * thickness * sum(section.free.area for section in sections[1:])
+    ends = 0.5 * thickness * (sections[1].free.area + sections[-1].free.area)
+    volume = ends + sum(_volume_between(cuts, rays, *pair, least_m3) for pair in pairwise(sections[1:]))
     outline = _simple(opening, cavity)
     assert isinstance(outline, shapely.Polygon), "a simplified polygon is a polygon"
-    return Containment(cavity, outline, floor_m, rim_m, heights, tuple(layers), volume)
+    return Containment(cavity, outline, floor_m, rim_m, heights, layers, volume)
+
+
+class _Section(NamedTuple):
+    """The part of a horizontal section that belongs to the inside."""
+
+    height_m: float
+    free: BaseGeometry
+
+
+def _section_below(cuts: CrossSections, rays: Rays, above: _Section, height_m: float) -> _Section:
+    return _Section(height_m, _free_below(cuts, rays, height_m, above.free, max(above.height_m - height_m, 0.0)))
+
+
+def _volume_between(cuts: CrossSections, rays: Rays, above: _Section, below: _Section, least_m3: float) -> float:
+    """The volume (m3) between two sections, halved until the area in the middle changes it by at most `least_m3`."""
+    depth_m = above.height_m - below.height_m
+    even = 0.5 * depth_m * (above.free.area + below.free.area)
+    if 0.5 * depth_m * abs(above.free.area - below.free.area) <= least_m3:
+        return even
+    middle = _section_below(cuts, rays, above, 0.5 * (above.height_m + below.height_m))
+    if abs(depth_m * middle.free.area - even) <= least_m3:
+        return (even + 2.0 * depth_m * middle.free.area) / 3.0
+    return _volume_between(cuts, rays, above, middle, least_m3) + _volume_between(cuts, rays, middle, below, least_m3)
 
 
 def _opening_at(cuts: CrossSections, height_m: float, cavity: Cavity) -> shapely.Polygon | None:

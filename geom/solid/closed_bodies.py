@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import manifold3d
 import numpy as np
 
-from geom.mesh.components import components_of, opposite_container
-from geom.mesh.edges import edges_of
-from geom.mesh.edit import keep_faces, merge_surfaces
+from geom.mesh.components import MIN_COMPACTNESS, Components, components_of, opposite_container
+from geom.mesh.edges import consistent_flips, edges_of
+from geom.mesh.edit import flip_faces, keep_faces, merge_surfaces
+from geom.mesh.manifold_arrays import manifold_of, signed_volume
+from geom.mesh.surface_distance import triangle_areas
 from geom.mesh.weld import weld
 from geom.repair.back_faces import drop_back_faces
 from geom.repair.boundary_loops import OpenBody, classify_open_bodies
@@ -18,7 +20,8 @@ from geom.repair.faces import drop_fins, drop_surplus_faces
 from geom.repair.holes import capped_body
 from geom.repair.shells import drop_duplicate_shells, drop_fragments
 from geom.repair.winding import orient
-from schemas.arrays import FloatArray, IntArray
+from geom.solid.enclosed_cells import enclosed_cells
+from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.model import Mesh
 
 Surface = tuple[FloatArray, IntArray]
@@ -26,6 +29,11 @@ Surface = tuple[FloatArray, IntArray]
 # is a body whose hidden faces were left out (a board's end, the underside of a cushion).
 HIDDEN_FACE_SHARE = 0.13
 LEADING_PART_SHARE = 0.5
+# Of a surface with open edges the cells count when their faces have this share of its area; else it is a sheet that
+# happens to enclose something, such as a blister in a scan, and stays whole.
+LEAST_ENCLOSED_SHARE = 0.5
+# Of the volume that the winding encloses: cells with less of it have leaked.
+LEAST_OF_WOUND = 0.99
 
 
 @dataclass(frozen=True)
@@ -71,10 +79,11 @@ def sort_bodies(meshes: Sequence[Mesh]) -> Bodies:
         by_mesh.append(() if len(rest.triangles) else tuple(solids))
     points, triangles, _ = merge_surfaces(leftovers)
     solids, rest, inner, area = _closed_parts(tidy(Mesh("open", points, triangles)))
+    rest = _wound_alike(rest)
     closed, cavities, closed_area = closed + solids, cavities + inner, closed_area + area
     edges = edges_of(rest.triangles)
     parts = components_of(rest.points, rest.triangles, edges)
-    open_bodies = classify_open_bodies(rest.points, rest.triangles, edges, parts)
+    open_bodies = (*classify_open_bodies(rest.points, rest.triangles, edges, parts), *_edgeless_sheets(parts))
     total = closed_area + float(parts.area.sum())
     is_open = np.ones(len(rest.triangles), dtype=bool)
     capped = tuple(v for v in open_bodies if _is_body(v, total))
@@ -130,35 +139,67 @@ def unite(bodies: Sequence[Surface]) -> Surface | None:
 
 
 def as_manifold(points: FloatArray, triangles: IntArray) -> manifold3d.Manifold:
-    """A manifold3d body; its `status()` is an error when the surface is no oriented manifold."""
-    points, triangles = _compact(points, triangles)
-    return manifold3d.Manifold(
-        manifold3d.Mesh64(np.ascontiguousarray(points), np.ascontiguousarray(triangles, dtype=np.uint64))
-    )
-
-
-def signed_volume(points: FloatArray, triangles: IntArray) -> float:
-    """Volume enclosed by a closed surface, about its own centre, so that its position does not matter."""
-    if len(triangles) == 0:
-        return 0.0
-    corners = points[triangles]
-    corners = corners - corners.reshape(-1, 3).mean(axis=0)
-    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
+    """A manifold3d body without unused points; its `status()` is an error when the surface is no oriented manifold."""
+    return manifold_of(*_compact(points, triangles))
 
 
 def _closed_parts(mesh: Mesh) -> tuple[list[Surface], Mesh, int, float]:
-    """Closed bodies with their cavities, the remaining faces, the number of cavities and the closed area."""
+    """Closed bodies with their cavities, the remaining faces, the number of cavities and the closed area.
+
+    A component with two faces at every edge is one body. One with more somewhere is as many as it encloses, or one,
+    where its winding encloses more: surfaces that cross each other leave no closed cells.
+    """
     if len(mesh.triangles) == 0:
         return [], mesh, 0, 0.0
-    parts = components_of(mesh.points, mesh.triangles)
+    edges = edges_of(mesh.triangles)
+    parts = components_of(mesh.points, mesh.triangles, edges)
     parent = opposite_container(mesh.points, mesh.triangles, parts)
-    cavity = parts.solid & (parts.volume < 0.0) & (parent >= 0)
-    body = parts.solid & (parts.volume > 0.0)
+    compact = np.abs(parts.volume) > MIN_COMPACTNESS * parts.area**1.5
+    cavity = parts.solid & compact & (parts.volume < 0.0) & (parent >= 0)
+    crowded = np.bincount(parts.label[(edges.uses[edges.of_face] > 2).any(axis=1)], minlength=parts.count) > 0
+    crowded[parent[cavity]] = False
+    wound = parts.solid & compact & (parts.volume > 0.0)
+    body = wound & ~crowded
     owner = np.where(cavity, parent, np.arange(parts.count))
-    face_owner = np.where((body | cavity)[parts.label], owner[parts.label], -1)
+    face_owner = np.where((body | (cavity & ~crowded))[parts.label], owner[parts.label], -1)
     bodies = [_compact(mesh.points, mesh.triangles[face_owner == k]) for k in np.flatnonzero(body)]
-    rest = keep_faces(mesh, face_owner < 0)
-    return bodies, rest, int(cavity.sum()), float(parts.area[body | cavity].sum())
+    left = face_owner < 0
+    for part in np.flatnonzero(crowded):
+        faces = np.flatnonzero(parts.label == part)
+        enclosed, sheets = _enclosed_bodies(mesh.points, mesh.triangles[faces], open_edges=bool(parts.boundary[part]))
+        volume = sum(signed_volume(*surface) for surface in enclosed)
+        if wound[part] and volume < LEAST_OF_WOUND * parts.volume[part]:
+            enclosed, sheets = [_compact(mesh.points, mesh.triangles[faces])], np.zeros(len(faces), dtype=bool)
+        bodies += enclosed
+        left[faces] = sheets
+    area = float(triangle_areas(mesh.points[mesh.triangles[~left]]).sum())
+    return bodies, keep_faces(mesh, left), int((cavity & ~crowded).sum()), area
+
+
+def _enclosed_bodies(points: FloatArray, triangles: IntArray, *, open_edges: bool) -> tuple[list[Surface], BoolArray]:
+    """The bodies that a component with crowded edges encloses, and the mask (m,) of faces that are none of theirs."""
+    cells = enclosed_cells(points, triangles)
+    bodies = [_compact(points, body) for body in cells.bodies]
+    areas = triangle_areas(points[triangles])
+    enough = not open_edges or areas[~cells.sheets].sum() >= LEAST_ENCLOSED_SHARE * areas.sum()
+    if not enough or any(as_manifold(*body).status() != manifold3d.Error.NoError for body in bodies):
+        return [], np.ones(len(triangles), dtype=bool)
+    return bodies, cells.sheets
+
+
+def _wound_alike(mesh: Mesh) -> Mesh:
+    """`mesh` with neighbours wound alike in each component where they are not, so that its loops can be followed."""
+    edges = edges_of(mesh.triangles)
+    parts = components_of(mesh.points, mesh.triangles, edges)
+    return flip_faces(mesh, consistent_flips(edges)[0] & ~parts.consistent[parts.label])
+
+
+def _edgeless_sheets(parts: Components) -> tuple[OpenBody, ...]:
+    """The components without boundary edges that are no bodies: faces that lie on each other, folded without room."""
+    return tuple(
+        OpenBody("sheet", np.flatnonzero(parts.label == k), (), False, float(parts.area[k]), 0.0)
+        for k in np.flatnonzero(parts.boundary == 0)
+    )
 
 
 def _is_body(body: OpenBody, total_area: float) -> bool:

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from geom.mass.inertia import enclosed_volume
-from geom.solid.closed_bodies import Surface, as_manifold, signed_volume, unite
+from geom.mesh.manifold_arrays import signed_volume
+from geom.solid.closed_bodies import Surface, as_manifold, unite
 from schemas.physics import VolumeProperties
 
 # Bodies below this share of the largest are negligible; this also bounds their number.

@@ -21,6 +21,7 @@ from schemas.physics import VolumeProperties
 
 # Open parts that extend less than this share of the diagonal beyond the bodies are decoration: labels, decals, trim.
 DECORATION_SHARE = 0.01
+LEAST_PROBES = 64  # at which an open part is compared with the bodies, beside its corners
 WALL_FACES = 1500
 # Unconnected faces cannot be decimated; a wall of more plates than this takes minutes.
 MOST_PLATES = 4 * WALL_FACES
@@ -103,9 +104,12 @@ def _with_hidden_faces(bodies: Bodies, part: OpenBody, nearest: NearestOnSurface
 
 
 def _spread(surface: Surface, faces: IntArray) -> FloatArray:
-    """Corners and centres (n, 3) of some faces."""
+    """Points (n, 3) all over some faces: corners, and the centres of equal parts, more of them where faces are few."""
     corners = surface[0][surface[1][faces]]
-    return np.concatenate([corners.reshape(-1, 3), corners.mean(axis=1)])
+    parts = int(np.ceil(np.sqrt(LEAST_PROBES / len(faces))))  # of each edge
+    i, j = np.nonzero(np.add.outer(np.arange(parts), np.arange(parts)) < parts)
+    weights = (np.stack([i, j, parts - 1 - i - j], axis=1) + 1.0 / 3.0) / parts
+    return np.concatenate([corners.reshape(-1, 3), np.einsum("wk,fkx->fwx", weights, corners).reshape(-1, 3)])
 
 
 def _outside(nearest: NearestOnSurface, points: FloatArray, slack: float) -> BoolArray:

@@ -10,10 +10,11 @@ import numpy as np
 from geom.convex.hull import convex_hull
 from geom.mass.inertia import combine_volumes
 from geom.mesh.edit import merge_surfaces
+from geom.mesh.manifold_arrays import signed_volume
 from geom.mesh.surface_distance import P95, NearestOnSurface, closest_on_surface, sample_surface, triangle_areas
 from geom.mesh.weld import diagonal, weld_points
 from geom.repair.boundary_loops import HOLE_SHARE
-from geom.solid.closed_bodies import Bodies, Surface, signed_volume, sort_bodies, unite
+from geom.solid.closed_bodies import Bodies, Surface, sort_bodies, unite
 from geom.solid.nested_shells import nested_volume
 from geom.solid.open_parts import additions, volume_of_wall
 from geom.solid.voxel_hull import voxel_hull

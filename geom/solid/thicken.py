@@ -10,6 +10,7 @@ from geom.mesh.weld import weld_points
 from schemas.arrays import FloatArray, IntArray
 
 MITRE_LIMIT = 3.0
+LEAST_ACROSS = 0.5  # Of half a wall: a mitre that gives a face less thickness at its corner does not count for it.
 
 
 def thicken(points: FloatArray, triangles: IntArray, thickness_m: float) -> tuple[FloatArray, IntArray]:
@@ -23,13 +24,26 @@ def thicken(points: FloatArray, triangles: IntArray, thickness_m: float) -> tupl
     triangles = triangles[triangle_areas(points[triangles]) > 0.0]
     if len(triangles) == 0:
         raise ValueError("the sheet has no area")
-    offset = 0.5 * thickness_m * _mitres(points, triangles)
+    corners, offset = points[triangles], 0.5 * thickness_m * _offsets(points, triangles)
     plates = [
-        Manifold.hull_points(np.ascontiguousarray(np.concatenate([points[t] + offset[t], points[t] - offset[t]])))
-        for t in triangles
+        Manifold.hull_points(np.ascontiguousarray(np.concatenate([corner + away, corner - away])))
+        for corner, away in zip(corners, offset, strict=True)
     ]
     mesh = Manifold.batch_boolean(plates, OpType.Add).to_mesh64()
     return np.asarray(mesh.vert_properties)[:, :3].astype(np.float64), np.asarray(mesh.tri_verts).astype(np.int32)
+
+
+def _offsets(points: FloatArray, triangles: IntArray) -> FloatArray:
+    """Per face and corner (m, 3, 3) the mitre there; the normal of the face where the mitre is not across the face.
+
+    Where a sheet is folded back onto itself the normals around a point cancel, and the mitre has no direction.
+    """
+    corners = points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    mitres = _mitres(points, triangles)[triangles]
+    across = np.abs(np.einsum("mki,mi->mk", mitres, normals)) >= LEAST_ACROSS
+    return np.where(across[..., None], mitres, normals[:, None, :])
 
 
 def _mitres(points: FloatArray, triangles: IntArray) -> FloatArray:

@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 from assetkit.geometry.distortion import DISTORTION_BOUND
 from assetkit.geometry.repair import RepairResult, repair_geometry
 from geom.mesh.hausdorff import one_sided_hausdorff
+from geom.mesh.manifold_arrays import signed_volume
 from geom.mesh.weld import diagonal
-from geom.solid.closed_bodies import signed_volume
 from geom.solid.solidify import solidify
 from tests.support.broken_surfaces import DEFECTS, SHAPES, neighbours
 from tests.support.sample_surfaces import ball, mesh_of

@@ -12,11 +12,14 @@ from hypothesis import strategies as st
 
 from assetkit.articulation.joint_uses import ArticulatedObject, joint_uses
 from geom.mechanism_pose import joint_motion
+from geom.mesh.surface_distance import NearestOnSurface
 from geom.pose import rotation_about
 from schemas.articulation import JointUse
 from schemas.mechanism import Mechanism, MechanismJoint, MechanismLink
 from tests.support.mechanism.drawn_mechanisms import (
     DrawnMechanism,
+    box,
+    built,
     button,
     drawer,
     folding,
@@ -25,6 +28,7 @@ from tests.support.mechanism.drawn_mechanisms import (
     knob,
     lever,
     sliding_door,
+    solid_of,
     transformed,
     turntable,
 )
@@ -159,6 +163,23 @@ def test_a_door_that_swings_both_ways_is_shut_in_the_middle() -> None:
 def names(link: str, joint: str) -> DrawnMechanism:
     plain = drawer(0.5, 0.4, 0.2, handle=True, travel=0.8)
     return transformed(plain, yaw=0.0, reverse=False, zero=0.0, names=("body", link, joint))
+
+
+def test_the_place_to_push_lies_on_a_link_whose_edge_is_hollow() -> None:
+    """A plate that ends in two prongs: the middle of its outer edge lies between them."""
+    plate = [
+        box((0.0, -0.1, 0.0), (0.3, 0.1, 0.01)),
+        *(box((0.3, y, 0.0), (0.4, y + 0.02, 0.01)) for y in (-0.1, 0.08)),
+    ]
+    base, fork = solid_of(box((-0.2, -0.1, -0.01), (-0.01, 0.1, 0.02))), solid_of(*plate)
+    drawn = built("unknown", base, fork, "revolute", (0.0, 0.0, 0.005), (0.0, -1.0, 0.0), (-0.5, 0.5))
+    (use,) = joint_uses(ArticulatedObject(drawn.mechanism, drawn.links))
+    assert use.contact is not None
+    assert use.contact.value.position_m[0] > 0.25
+    nearest = NearestOnSurface(fork.points, fork.triangles)
+    position = np.array([use.contact.value.position_m])
+    away_m = float(np.linalg.norm(nearest(position)[0] - position))
+    assert away_m < 1e-6 or bool(nearest.inside(position)[0])
 
 
 def test_names_that_agree_make_surer() -> None:

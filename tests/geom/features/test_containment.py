@@ -42,6 +42,16 @@ def test_a_bottle_is_wider_than_its_neck():
     assert inside.opening.area == pytest.approx(np.pi * 0.011**2, rel=0.05)
 
 
+@pytest.mark.parametrize("neck", [0.013, 0.022, 0.031])
+def test_a_sharp_shoulder_between_two_layers_counts(neck: float):
+    radius, mouth, height, wall = 0.034, 0.013, 0.13, 0.002
+    outside = Manifold.cylinder(height, radius, radius, 96) + Manifold.cylinder(height + neck, mouth + wall, -1.0, 96)
+    room = Manifold.cylinder(height - 2 * wall, radius - wall, radius - wall, 96).translate((0, 0, wall))
+    room += Manifold.cylinder(neck + wall, mouth, mouth, 96).translate((0, 0, height - wall))
+    (inside,) = insides(solid_of(outside - room))
+    assert inside.volume_m3 == pytest.approx(room.volume(), rel=0.004)
+
+
 def test_slots_in_the_walls_do_not_change_what_a_basket_holds():
     crate = open_box(0.4, 0.3, 0.2, 0.01)
     slots = [block(0.03, 0.5, 0.1, (0.07 * k, 0, 0.05)) for k in range(-2, 3)]

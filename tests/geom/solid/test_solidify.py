@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from geom.mesh.manifold_arrays import signed_volume
 from geom.mesh.topology import observe
 from geom.mesh.winding_number import winding_numbers
-from geom.solid.closed_bodies import as_manifold, signed_volume, unite
+from geom.solid.closed_bodies import as_manifold, unite
 from geom.solid.solid_distance import solid_distance
 from geom.solid.solidify import solidify
 from geom.solid.voxel_hull import voxel_hull
