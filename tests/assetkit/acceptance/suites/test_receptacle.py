@@ -11,9 +11,11 @@ import pytest
 from assetkit.acceptance.suites.policy import POLICY
 from assetkit.acceptance.suites.receptacle import ReceptacleSuite
 from assetkit.acceptance.suites.suite import NOMINAL, Conditions, SuiteRun
+from geom.pose import pose, rotation_about
 from schemas.physics import MassProperties, RigidBody
 from sim.bullet.simulator import BulletSimulator
 from sim.fake import FakeSimulator
+from sim.loading import LoadOutcome, LoadTask
 from tests.assetkit.acceptance.suites.crates import HEIGHT, LENGTH, WALL, Plate, crate, inside
 from tests.assetkit.acceptance.suites.subjects import subject
 
@@ -114,3 +116,41 @@ def test_the_mass_of_conditions_decides_how_content_tips_it() -> None:
     slight = run(body, conditions=Conditions(mass_kg=0.1 * body.mass.mass_kg))
     assert value(heavy, "tipping_full") != pytest.approx(value(slight, "tipping_full"), abs=1.0)
     assert [check.name for check in heavy.checks if check.name.endswith("_tunnelling")] == []
+
+
+class FallsOnSlopes(FakeSimulator):
+    """Bodies turn by a radian when the ground is a slope; the tasks on slopes are kept."""
+
+    def __init__(self) -> None:
+        self.slopes = list[LoadTask]()
+
+    def load(self, body: RigidBody, task: LoadTask) -> LoadOutcome:
+        outcome = super().load(body, task)
+        if task.gravity_mps2[:2] == (0.0, 0.0):
+            return outcome
+        self.slopes.append(task)
+        turned = pose(rotation_about(np.array([1.0, 0.0, 0.0]), 1.0)) @ task.X_WA
+        return replace(outcome, X_WA=np.stack([task.X_WA, turned]))
+
+
+def test_what_falls_over_on_a_slope_in_simulation_fails_whatever_geometry_gives() -> None:
+    simulator = FallsOnSlopes()
+    ended = SUITE.run(subject(crate(), "receptacle", anchors=(inside(),)), simulator, NOMINAL)
+    assert "asset/receptacle-tips" in codes(ended)
+    assert value(ended, "tipping_full") > math.degrees(POLICY.tip_rad)
+    empty, full = simulator.slopes
+    assert len(empty.probes) == 0 < len(full.probes)
+    for task in simulator.slopes:
+        pull = np.array(task.gravity_mps2)
+        assert np.linalg.norm(pull) == pytest.approx(9.80665, rel=1e-3)
+        assert math.acos(-pull[2] / np.linalg.norm(pull)) == pytest.approx(POLICY.tip_rad)
+
+
+def test_the_slope_falls_to_the_weakest_side() -> None:
+    body = crate()
+    off = replace(body, mass=replace(body.mass, centre_of_mass_m=np.array([0.0, -0.03, 0.04])))
+    simulator = FallsOnSlopes()
+    SUITE.run(subject(off, "receptacle", anchors=(inside(),)), simulator, NOMINAL)
+    pull = np.array(simulator.slopes[0].gravity_mps2)
+    assert pull[1] < 0.0
+    assert abs(pull[0]) < 0.1 * abs(pull[1])

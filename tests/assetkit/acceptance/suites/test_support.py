@@ -12,7 +12,7 @@ from assetkit.acceptance.suites.policy import POLICY
 from assetkit.acceptance.suites.suite import NOMINAL, Conditions, SuiteRun
 from assetkit.acceptance.suites.support import SupportSuite
 from geom.pose import pose, rotation_about
-from schemas.anchors import SupportSurface
+from schemas.anchors import AnchorPolygon, Ring, SupportSurface
 from schemas.physics import CollisionShape, RigidBody
 from sim.bullet.simulator import BulletSimulator
 from sim.fake import FakeSimulator
@@ -138,6 +138,26 @@ def test_stacks_and_loads_weigh_and_stand_where_they_should() -> None:
     assert middle.probes[0].mass_kg == pytest.approx(POLICY.load_sure * POLICY.load_most * body.mass.mass_kg)
     assert np.hypot(*middle.probes[0].shape.X_AS[:2, 3]) < 0.01
     assert np.abs(edge.probes[0].shape.X_AS[:2, 3]).max() > 0.2
+
+
+def test_of_all_places_near_the_edge_the_worst_one_counts() -> None:
+    """The top is twice as long as it is wide: the limit is that of its ends."""
+    wide = boxes([((0.2, 0.2, 0.4), (0.0, 0.0, 0.2)), ((0.8, 0.4, 0.02), (0.0, 0.0, 0.41))])
+    ring = ((-0.4, -0.2), (0.4, -0.2), (0.4, 0.2), (-0.4, 0.2))
+    ended = SUITE.run(subject(wide, "support", anchors=(_outlined(ring),)), Answer(), NOMINAL)
+    box = POLICY.stack_edge * math.sqrt(0.8**2 + 0.4**2 + TOP_M**2)
+    assert value(ended, "edge_load_limit") == pytest.approx(0.1 / (0.3 - math.sqrt(0.5) * box), rel=0.05)
+
+
+def test_a_small_surface_gets_one_stack() -> None:
+    answer = Answer()
+    ended = SUITE.run(subject(table(0.2), "support", anchors=(top(0.05, TOP_M),)), answer, NOMINAL)
+    assert len(answer.tasks[0].probes) == POLICY.stack
+    assert value(ended, "middle_stack_moved") == 0.0
+
+
+def _outlined(ring: Ring) -> SupportSurface:
+    return top(EDGE, TOP_M).model_copy(update={"polygon": AnchorPolygon(outline_m=ring)})
 
 
 def test_a_box_fits_under_what_is_above_a_surface() -> None:
