@@ -32,6 +32,11 @@ _TRAVEL_M = 10.0  # of the mount
 _AXES = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
 
 
+def mount_joints(turns_wrist: bool) -> tuple[str, ...]:
+    """The names of the joints of the mount, in the order of the places of a `sim.grasp_trial.HandMotion`."""
+    return MOUNT if turns_wrist else MOUNT[:-1]
+
+
 def describe_gripper(
     gripper: Gripper, opening_m: float, R_WG: FloatArray, scale: float = 1.0, *, turns_wrist: bool = False
 ) -> RobotDescription:
@@ -44,7 +49,7 @@ def describe_gripper(
     X_mount_hand = pose(R_WG, R_WG @ hand)
     links = [DescribedLink("base", inertial=_ball(scale), inertia_source="declared")]
     joints: list[DescribedJoint] = []
-    for name, axis in zip(MOUNT[:-1], _AXES, strict=True):
+    for name, axis in zip(mount_joints(False), _AXES, strict=True):
         links.append(DescribedLink(f"{name}_link", inertial=_ball(scale), inertia_source="declared"))
         limits = None if name == "mount_turn" else JointLimits(-_TRAVEL_M * scale, _TRAVEL_M * scale)
         kind = "continuous" if name == "mount_turn" else "prismatic"

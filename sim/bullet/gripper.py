@@ -12,7 +12,7 @@ from formats.urdf.write import write_urdf
 from geom import pose
 from schemas.arrays import FloatArray
 from sim.grasp_trial import GraspTask
-from sim.gripper_description import HAND, LEFT, MOUNT, RIGHT, describe_gripper
+from sim.gripper_description import HAND, LEFT, RIGHT, describe_gripper, mount_joints
 
 _GEAR_FORCE_N = 1e4  # of the coupling, which must not give way
 _GROUP, _OTHERS = 2, 1
@@ -40,7 +40,7 @@ class BulletGripper:
         infos = [pybullet.getJointInfo(self.handle, j, physicsClientId=client) for j in joints]
         by_name = {info[1].decode(): info[0] for info in infos} | {info[12].decode(): info[0] for info in infos}
         self.left, self.right, self.hand = (by_name[name] for name in (LEFT, RIGHT, HAND))
-        self._mount = [by_name[name] for name in MOUNT if name in by_name]
+        self._mount = [by_name[name] for name in mount_joints(task.motion.turns_wrist)]
         self._count = len(infos)
         gear = pybullet.createConstraint(
             self.handle, self.left, self.handle, self.right, pybullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0],
