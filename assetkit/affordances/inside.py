@@ -11,14 +11,18 @@ from schemas.arrays import BoolArray, FloatArray
 
 
 class Inside:
-    """The free space of a volume, layer by layer from its floor up; `opening` lies just below the rim."""
+    """The free space of a volume, layer by layer from its floor up; `opening` is what the opening shares with the
+    uppermost layer, where things get in.
+    """
 
     def __init__(self, volume: ContainmentVolume) -> None:
         self.volume = volume
         x, y, self._floor_m = volume.position_m
         self._rim_m = self._floor_m + volume.height_m
-        self.opening = shape_of(volume.opening, x, y)
         self._layers = [shapely.union_all([shape_of(p, x, y) for p in cut.polygons]) for cut in volume.slices]
+        opening = shape_of(volume.opening, x, y)
+        shared = [part for part in shapely.get_parts(opening & self._layers[-1]) if part.area > 0.0]
+        self.opening = max(shared, key=shapely.area) if shared else opening
 
     def contains(self, centres_m: FloatArray, off_m: float) -> BoolArray:
         """(k,) whether points (k, 3) are below the rim and, to within `off_m`, over the floor and between the walls."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from assetkit.affordances.inside import Inside
+from schemas.anchors import AnchorPolygon
 from tests.assetkit.acceptance.suites.crates import HEIGHT, LENGTH, WALL, inside
 
 INSIDE = Inside(inside())
@@ -51,3 +52,12 @@ def test_only_paths_that_end_outside_without_passing_the_rim_lead_through_a_wall
 def test_a_ball_rests_on_the_floor_clear_of_walls() -> None:
     assert INSIDE.resting_height((0.0, 0.0), 0.01) == pytest.approx(WALL + 0.011)
     assert INSIDE.resting_height((0.5 * LENGTH - 0.005, 0.0), 0.01) >= WALL + HEIGHT  # no room below the rim
+
+
+def test_things_get_in_where_the_opening_lies_over_the_uppermost_layer() -> None:
+    volume = inside()
+    neck = AnchorPolygon(outline_m=((0.01, -0.02), (0.05, -0.02), (0.05, 0.02), (0.01, 0.02)))
+    upper = volume.slices[-1].model_copy(update={"polygons": (neck,)})
+    narrowed = Inside(volume.model_copy(update={"slices": (*volume.slices[:-1], upper)}))
+    assert narrowed.opening.bounds == pytest.approx((0.01, -0.02, 0.05, 0.02))
+    assert narrowed.resting_height((0.03, 0.0), 0.01) == pytest.approx(WALL + 0.011)
