@@ -16,7 +16,7 @@ from geom.pose import shortest_rotation
 from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape
 
-_SIDES = 72  # A corner of the foot lies within 2.5 degrees of one: its lever arm is right to a thousandth.
+_HEADINGS = 72  # A corner of the foot lies within 2.5 degrees of one: its lever arm is right to a thousandth.
 _LEAN_RAD = np.radians(0.5)
 
 
@@ -32,7 +32,7 @@ def tipping_angle(
     leans: FloatArray = np.arange(-1.0, 1.0 + lean_rad / _LEAN_RAD) * _LEAN_RAD
     leans[:2] = 0.0, 0.1 * _LEAN_RAD
     downs = np.cos(leans)[:, None, None] * down_A + np.sin(leans)[:, None, None] * sides
-    rises = centre_heights(shapes, centre_m, downs.reshape(-1, 3)).reshape(len(leans), _SIDES)
+    rises = centre_heights(shapes, centre_m, downs.reshape(-1, 3)).reshape(len(leans), _HEADINGS)
     lever = np.diff(rises, axis=0) / np.diff(leans)[:, None]
     steepest = np.arctan2(lever, 0.5 * (rises[1:] + rises[:-1])).max(axis=0)
     weakest = int(steepest.argmin())
@@ -62,6 +62,6 @@ def tipping_loads(
 
 def _sides(down_A: FloatArray) -> FloatArray:
     """Unit vectors (72, 3) across `down_A`, all around."""
-    angles = np.arange(_SIDES) * (2.0 * np.pi / _SIDES)
-    level = np.stack([np.cos(angles), np.sin(angles), np.zeros(_SIDES)], axis=1)
+    angles = np.arange(_HEADINGS) * (2.0 * np.pi / _HEADINGS)
+    level = np.stack([np.cos(angles), np.sin(angles), np.zeros(_HEADINGS)], axis=1)
     return level @ shortest_rotation(np.array([0.0, 0.0, -1.0]), down_A).T

@@ -32,7 +32,7 @@ from schemas.physics import CollisionShape, RigidBody
 from sim.loading import LoadOutcome, LoadTask, LooseProbe
 from sim.port import SMALLEST_M, Simulator, model_scale, natural_time_s
 
-_PLACES = 5  # over an opening, and of content
+_DROP_PLACES = 5  # over an opening, and of content
 _PROBE_KGPM3 = 1000.0
 _STEP_SHARE = 0.5  # of its radius, by which the smallest thing may fall in a step: less than half of a box in that ball
 
@@ -116,7 +116,7 @@ def _fixed_trials(
 def _drops(inside: Inside, radius: float) -> list[LooseProbe]:
     """A ball and a box at each of several places, just above the rim; on the floor behind an opening that is level."""
     volume = inside.volume
-    places = spread_positions(inside.opening, 1.5 * radius, 1.5 * radius)[:_PLACES]
+    places = spread_positions(inside.opening, 1.5 * radius, 1.5 * radius)[:_DROP_PLACES]
     z = volume.position_m[2] + 1.2 * radius + (volume.height_m if opens_up(volume) else 0.0)
     edge = 2.0 * radius / math.sqrt(3.0)
     return [
@@ -168,8 +168,8 @@ def _loose_trials(
     tilt = at_most(f"{name}_content_tilt", turned, math.degrees(TOPPLED_RAD), "deg")
     checks.add(code, f"{name}: with content in it, it leans by {turned:.3g} deg", tilt)
     held = inside.contains(level.probes_in_body()[-1, :, :3, 3], _off(body))
-    kept = at_least(f"{name}_content_kept", float(held.mean()), 1.0, "of the content")
-    checks.add(code, f"{name}: {int(held.sum())} of {len(held)} things in it stay while it stands", kept)
+    stays_in = at_least(f"{name}_content_kept", float(held.mean()), 1.0, "of the content")
+    checks.add(code, f"{name}: {int(held.sum())} of {len(held)} things in it stay while it stands", stays_in)
     empty, empty_side = tipping_angle(body.shapes, np.asarray(body.mass.centre_of_mass_m), DOWN, TOPPLED_RAD)
     full, full_side = tipping_angle(body.shapes, _centre_with(body, content, level), DOWN, TOPPLED_RAD)
     code, most = "asset/receptacle-tips", math.degrees(POLICY.tip_rad)
@@ -195,7 +195,7 @@ def _loose_trials(
 def _content(inside: Inside, radius: float, X_WA: FloatArray) -> tuple[LooseProbe, ...]:
     """Balls side by side on the floor, in the world, which weigh together what content weighs."""
     volume = inside.volume
-    places = spread_positions(inside.opening, 1.2 * radius, 2.4 * radius)[:_PLACES]
+    places = spread_positions(inside.opening, 1.2 * radius, 2.4 * radius)[:_DROP_PLACES]
     mass_kg = POLICY.content_kgpm3 * volume.volume_m3 / len(places)
     centres = [(x, y, inside.resting_height((x, y), radius)) for x, y in places]
     return tuple(LooseProbe(CollisionShape("sphere", (radius,), X_WA @ pose(None, c)), mass_kg) for c in centres)
@@ -205,8 +205,8 @@ def _centre_with(body: RigidBody, content: Sequence[LooseProbe], level: LoadOutc
     """(3,) mass centre of the body and what is in it, in the frame of the body, at the end."""
     masses = np.array([probe.mass_kg for probe in content])
     centres = (inverse(level.X_WA[-1]) @ level.X_WP[-1])[:, :3, 3]
-    own = body.mass.mass_kg * np.asarray(body.mass.centre_of_mass_m)
-    return (own + masses @ centres) / (body.mass.mass_kg + masses.sum())
+    moment_kgm = body.mass.mass_kg * np.asarray(body.mass.centre_of_mass_m)
+    return (moment_kgm + masses @ centres) / (body.mass.mass_kg + masses.sum())
 
 
 def _radii(volume: ContainmentVolume, size: float) -> list[float]:

@@ -124,9 +124,9 @@ def _use(subject: Subject, grasp: Grasp, simulator: Simulator, conditions: Condi
     checks = CheckList(Location(file=subject.main_file.name))
     phases = [phase for phase, _ in motion.phases]
     release = phases.index(Phase.RELEASE)
-    kept = release if outcome.lost is None else phases.index(outcome.lost)
+    phases_held = release if outcome.lost is None else phases.index(outcome.lost)
     headline = f"{name}: it is lost in the phase '{outcome.lost.value if outcome.lost else 'release'}'"
-    checks.add("asset/tool-lost", headline, at_least("use_phases_held", kept, release, "phases"))
+    checks.add("asset/tool-lost", headline, at_least("use_phases_held", phases_held, release, "phases"))
     if outcome.lost is None:
         most = max(POLICY.use_slip_m, POLICY.use_slip_share * _lever_m(grasp, varied))
         headline = f"{name}: used, it moves by {1000 * outcome.slip_m:.3g} mm between the pads"
