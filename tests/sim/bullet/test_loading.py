@@ -108,3 +108,16 @@ def test_without_probes_a_body_stands() -> None:
     assert outcome.X_WP.shape[1:] == (0, 4, 4)
     assert outcome.turn_rad() < 1e-3
     assert outcome.finite
+
+
+@pytest.mark.parametrize(("share", "comes_through"), [(0.9, False), (1.3, True)])
+def test_a_ball_goes_through_a_wall_when_a_step_takes_it_past_its_middle(share: float, comes_through: bool) -> None:
+    """A step of its radius and half of the wall; starts spread over a step, for it depends on where the steps fall."""
+    radius, wall, step_s, starts = 0.005, 0.002, 1.0 / 240.0, 24
+    speed = share * (radius + 0.5 * wall) / step_s
+    heights = [0.5 * wall + radius + 0.02 + k / starts * speed * step_s for k in range(starts)]
+    balls = [LooseProbe(ball(radius, (0.02, 0.01, z)), 0.01, (0.0, 0.0, -speed)) for z in heights]
+    plate = box((0.2, 0.2, wall))
+    lowered = replace(plate, shapes=tuple(replace(s, X_AS=np.eye(4)) for s in plate.shapes))
+    outcome = load(lowered, *balls, seconds=0.2, is_fixed=True, step_s=step_s, gravity_mps2=(0.0, 0.0, -0.1))
+    assert bool((outcome.X_WP[-1, :, 2, 3] < 0.0).any()) == comes_through
