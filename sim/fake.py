@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from geom.convex.placement import moved_shape
 from geom.convex.support_function import centre_heights, facet_directions, heights, support, surface
 from geom.mesh.rays import Rays
 from geom.pose import quat_of, shortest_rotation
@@ -14,6 +15,7 @@ from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, RigidBody
 from sim.grasp_trial import GraspOutcome, GraspTask, Landing, Phase
 from sim.joint_exercise import Articulation, ArticulationExercise, JointExercise, JointRun, JointTask, reach_of
+from sim.loading import LoadOutcome, LoadTask
 from sim.port import DropResult, DropSettings, ProbeResult, World
 
 _NUDGE_RAD = 1e-4
@@ -72,6 +74,15 @@ class FakeSimulator:
         lands = Phase.STAY in {phase for phase, _ in task.motion.phases}
         landing = Landing(0.0, 0.0, 0.0, 0.0, is_supported=True) if lands else None
         return GraspOutcome(None, 0.0, released=True, landing=landing)
+
+    def load(self, body: RigidBody, task: LoadTask) -> LoadOutcome:
+        """See `sim.port.Simulator`: the body stays where it is, probes come to rest on it as `drop_probes` has it."""
+        X_WP = np.array([probe.shape.X_AS for probe in task.probes]).reshape(-1, 4, 4)
+        fixed = [moved_shape(shape, task.X_WA) for shape in body.shapes]
+        ended = X_WP.copy()
+        ended[:, :3, 3] = self.drop_probes(fixed, [probe.shape for probe in task.probes], task.duration_s).centres_m
+        times_s = np.array([0.0, task.duration_s])
+        return LoadOutcome(times_s, np.stack([task.X_WA, task.X_WA]), np.stack([X_WP, ended]))
 
     def exercise_joints(self, articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:
         """See `sim.port.Simulator`: every joint moves exactly over its range, nothing is in its way or inside it."""

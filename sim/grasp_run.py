@@ -18,7 +18,8 @@ from sim.grasp_trial import DROP_M, GraspOutcome, GraspTask, GraspTrace, Landing
 from sim.port import rms_speeds
 
 REST_S = 0.05  # before the motion begins
-_CARRIED = (Phase.LIFT, Phase.HOLD, Phase.CARRY, Phase.SHAKE)  # with both pads on the body at their end
+# With both pads on the body at their end.
+_CARRIED = (Phase.LIFT, Phase.HOLD, Phase.CARRY, Phase.SHAKE, Phase.TILT, Phase.SWING, Phase.STIR)
 _CLOSED = (Phase.CLOSE, *_CARRIED, Phase.LOWER)
 
 
@@ -31,11 +32,11 @@ class GraspWorld(Protocol):
         ...
 
     def place_mount(self, positions: FloatArray) -> None:
-        """Put the mount (4,) there at once, at rest."""
+        """Put the mount (5,) there at once, at rest."""
         ...
 
     def drive_mount(self, positions: FloatArray, rates: FloatArray) -> None:
-        """Motors of the mount towards positions (4,) at rates (4,), strong enough to carry hand and body."""
+        """Motors of the mount towards positions (5,) at rates (5,), strong enough to carry hand and body."""
         ...
 
     def drive_fingers(self, closing: float) -> None:

@@ -1,7 +1,8 @@
 """A parallel-jaw gripper on its mount as a robot description, which `formats.urdf` writes and every engine loads.
 
-The mount is three slides along the axes of the world and a turn about the vertical through the grip centre, so that
-the motion of the hand is prescribed and its contacts are not. Two fingers slide in the hand; the right one mimics the
+The mount is three slides along the axes of the world and a turn about the vertical through the grip centre, with a
+wrist that turns about the closing axis there for motions that need it, so that the motion of the hand is prescribed and
+its contacts are not. Two fingers slide in the hand; the right one mimics the
 left, for without that both drift to one side with the body between them. All joints are at 0 where the hand is at its
 grasp and the pads are at their opening before they close; fingers close towards positive positions.
 """
@@ -23,7 +24,7 @@ from schemas.robot_description import (
     RobotDescription,
 )
 
-MOUNT = ("mount_x", "mount_y", "mount_z", "mount_turn")
+MOUNT = ("mount_x", "mount_y", "mount_z", "mount_turn", "mount_wrist")  # the last one only where it turns
 LEFT, RIGHT, HAND = "left_finger", "right_finger", "hand"
 LINK_KG = 0.5  # each link: a hand of the size of the Franka Hand weighs 0.73 kg
 _MOUNT_RADIUS_M = 0.05  # of the ball whose inertia a link of the mount has
@@ -31,17 +32,24 @@ _TRAVEL_M = 10.0  # of the mount
 _AXES = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
 
 
-def describe_gripper(gripper: Gripper, opening_m: float, R_WG: FloatArray, scale: float = 1.0) -> RobotDescription:
+def mount_joints(turns_wrist: bool) -> tuple[str, ...]:
+    """The names of the joints of the mount, in the order of the places of a `sim.grasp_trial.HandMotion`."""
+    return MOUNT if turns_wrist else MOUNT[:-1]
+
+
+def describe_gripper(
+    gripper: Gripper, opening_m: float, R_WG: FloatArray, scale: float = 1.0, *, turns_wrist: bool = False
+) -> RobotDescription:
     """The gripper, opened by `opening_m`, with its grip centre at the origin of the base and turned by R_WG (3, 3).
 
     All lengths are `scale` times their true size, forces scale^3 (`sim.port.model_scale`).
     """
     X_GB, half = boxes(gripper, np.array([opening_m]))
     left, right, hand = (scale * X_GB[0, b, :3, 3] for b in range(3))
-    X_turn_hand = pose(R_WG, R_WG @ hand)
+    X_mount_hand = pose(R_WG, R_WG @ hand)
     links = [DescribedLink("base", inertial=_ball(scale), inertia_source="declared")]
     joints: list[DescribedJoint] = []
-    for name, axis in zip(MOUNT, _AXES, strict=True):
+    for name, axis in zip(mount_joints(False), _AXES, strict=True):
         links.append(DescribedLink(f"{name}_link", inertial=_ball(scale), inertia_source="declared"))
         limits = None if name == "mount_turn" else JointLimits(-_TRAVEL_M * scale, _TRAVEL_M * scale)
         kind = "continuous" if name == "mount_turn" else "prismatic"
@@ -49,7 +57,16 @@ def describe_gripper(gripper: Gripper, opening_m: float, R_WG: FloatArray, scale
             DescribedJoint(name, kind, links[-2].name, links[-1].name, axis_C=axis, limits=limits, effort=1e9,
                            velocity=1e9)
         )  # fmt: skip
-    joints.append(DescribedJoint("wrist", "fixed", links[-1].name, HAND, X_PC=X_turn_hand))
+    if turns_wrist:
+        links.append(DescribedLink(f"{MOUNT[-1]}_link", inertial=_ball(scale), inertia_source="declared"))
+        joints.append(
+            DescribedJoint(
+                MOUNT[-1], "continuous", links[-2].name, links[-1].name, X_PC=pose(R_WG),
+                axis_C=np.array([1.0, 0.0, 0.0]), effort=1e9, velocity=1e9,
+            )
+        )  # fmt: skip
+        X_mount_hand = pose(None, hand)
+    joints.append(DescribedJoint("wrist", "fixed", links[-1].name, HAND, X_PC=X_mount_hand))
     links.append(_box(HAND, scale * half[0, 2]))
     spare = 0.5 * scale * max(gripper.opening_m - opening_m, 0.0)
     limits = JointLimits(-spare, 0.5 * scale * opening_m)

@@ -1,4 +1,4 @@
-"""Protocols and data of a rigid-body simulator: drops, probes, grasps, joints, resets; SI units, world frame z up.
+"""Protocols and data of a rigid-body simulator: drops, probes, loads, grasps, joints, resets; SI units, world z up.
 
 Implementations: `sim.bullet.simulator`, and `sim.fake` for tests. Also Froude scaling and tabletop worlds by size.
 """
@@ -17,6 +17,7 @@ from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 from sim.grasp_trial import GraspOutcome, GraspTask
 from sim.joint_exercise import Articulation, ArticulationExercise, JointTask
+from sim.loading import LoadOutcome, LoadTask
 
 ROLLING_RESISTANCE = 0.003  # of the size, see `world_for`
 SMALLEST_M, LARGEST_M, MODEL_M = 0.02, 5.0, 0.3
@@ -148,6 +149,10 @@ class Simulator(Protocol):
 
         Probes do not collide with one another. All share one frame, z up; friction is 0.5, nothing bounces.
         """
+        ...
+
+    def load(self, body: RigidBody, task: LoadTask) -> LoadOutcome:
+        """The motion of `body` and of loose probes, from the moment when the probes are released."""
         ...
 
     def grasp(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:

@@ -121,7 +121,8 @@ def _boxes(surface: SupportSurface, size: float) -> list[CollisionShape]:
     edge = min(BOX_OF_DIAGONAL * size, BOX_OF_DISC * 2.0 * _inscribed_radius(polygon))
     if surface.clearance_m is not None:
         edge = min(edge, BOX_OF_CLEARANCE * surface.clearance_m)
-    positions = _probe_positions(polygon, np.sqrt(0.5) * edge)
+    margin_m = np.sqrt(0.5) * edge
+    positions = spread_positions(polygon, margin_m, margin_m)
     return [
         CollisionShape("box", (edge, edge, 0.5 * edge), pose(None, (px, py, z + 0.75 * edge))) for px, py in positions
     ]
@@ -130,7 +131,7 @@ def _boxes(surface: SupportSurface, size: float) -> list[CollisionShape]:
 def _balls(volume: ContainmentVolume) -> list[CollisionShape]:
     x, y, z = volume.position_m
     radius = min(BALL_OF_PASSING * 0.5 * volume.passes_m, BALL_OF_HEIGHT * volume.height_m)
-    positions = _probe_positions(shape_of(volume.opening, x, y), 1.5 * radius)
+    positions = spread_positions(shape_of(volume.opening, x, y), 1.5 * radius, 1.5 * radius)
     # Into a volume that opens sideways nothing falls: its balls are released inside.
     start = volume.height_m + 1.2 * radius if opens_up(volume) else 1.2 * radius
     return [CollisionShape("sphere", (radius,), pose(None, (px, py, z + start))) for px, py in positions]
@@ -155,8 +156,9 @@ def _stays(anchor: Anchor, end: ProbeResult, size: float) -> BoolArray:
     return level & there & (end.speeds_mps <= SLOW * size / natural_time_s(size))
 
 
-def _probe_positions(polygon: shapely.Polygon, margin_m: float) -> FloatArray:
-    """(k, 2) up to nine positions at least `margin_m` from the edge, far from one another; at least the innermost one.
+def spread_positions(polygon: shapely.Polygon, margin_m: float, apart_m: float) -> FloatArray:
+    """(k, 2) up to nine positions at least `margin_m` from the edge and more than `apart_m` from one another; at least
+    the innermost one.
 
     Farthest-point sampling (Gonzalez 1985) of a grid, from the innermost position on.
     """
@@ -169,7 +171,7 @@ def _probe_positions(polygon: shapely.Polygon, margin_m: float) -> FloatArray:
     grid = grid[shapely.contains_xy(inner, grid[:, 0], grid[:, 1])]
     chosen = [middle]
     apart = np.linalg.norm(grid - middle, axis=1)
-    while len(chosen) < PLACES and len(grid) and apart.max() > margin_m:
+    while len(chosen) < PLACES and len(grid) and apart.max() > apart_m:
         chosen.append(grid[int(apart.argmax())])
         apart = np.minimum(apart, np.linalg.norm(grid - chosen[-1], axis=1))
     return np.array(chosen)

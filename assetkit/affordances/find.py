@@ -8,12 +8,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from assetkit.affordances.grasp_trials import TRIED, try_grasps
 from assetkit.affordances.grasps import propose_grasps
 from assetkit.affordances.joint_regions import joint_regions
 from assetkit.affordances.named_regions import part_at
+from assetkit.affordances.region_grasps import takes
 from assetkit.affordances.regions import find_regions, upright_requirement
 from assetkit.stage import Canonical, Draft, Interaction, Semantics
 from schemas.affordances import AffordanceEvidence, Grasp, Region
@@ -23,9 +22,6 @@ from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence
 from schemas.physics import RigidBody
 from sim.port import Simulator
-
-# A grasp holds a rim or a bar when its middle is within this distance of its line, and it is about as wide.
-ON_RIM_M, MOST_WIDTH_RATIO = 0.02, 1.5
 
 
 @dataclass(frozen=True)
@@ -77,14 +73,7 @@ def with_grasps(region: Evidence[Region], grasps: Sequence[Evidence[Grasp]]) -> 
     """A rim or handle with the grasps, not refuted ones, whose pads close on it."""
     if region.value.kind not in ("rim", "handle"):
         return region
-    line = np.array(region.value.outline_m)
-    near = [
-        g.value.affordance_id
-        for g in grasps
-        if g.value.trial != "not_held"
-        and g.value.width_m <= MOST_WIDTH_RATIO * max(region.value.size_m, ON_RIM_M)
-        and float(np.linalg.norm(line - np.mean(g.value.contacts_m, axis=0), axis=1).min()) <= ON_RIM_M
-    ]
+    near = [g.value.affordance_id for g in grasps if g.value.trial != "not_held" and takes(g.value, region.value)]
     return region.model_copy(update={"value": region.value.model_copy(update={"held_by": tuple(near)})})
 
 

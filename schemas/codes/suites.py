@@ -65,4 +65,78 @@ SUITE_CODES: dict[str, CodeInfo] = {
         "It does not stay where a gripper puts it.",
         "look at its foot, its mass centre and the colliders there",
     ),
+    # Receptacles.
+    "asset/receptacle-no-volume": CodeInfo(
+        "warning",
+        "A receptacle has no volume that holds things",
+        "Its role promises that things can be put into it, but no inside was found, or no probe stayed in one: the "
+        "opening is closed, or colliders fill the inside.",
+        "open it in the source, or state its role with --role; look at the colliders over the cavity",
+    ),
+    "asset/receptacle-leaves": CodeInfo(
+        "warning",
+        "Things let go above a receptacle do not stay in it",
+        "Balls and boxes that pass the opening end beside it or lie on top of it: colliders fill the inside, or a wall "
+        "or the floor is missing.",
+        "look at the colliders around the volume",
+    ),
+    "asset/receptacle-tunnel": CodeInfo(
+        "warning",
+        "Things go through a wall or the floor of a receptacle",
+        "A probe that falls in, or is shoved against a wall, comes out other than over the rim: colliders leave a gap, "
+        "or are so thin that one step of the engine leads through them.",
+        "look at the colliders for gaps; give walls more thickness",
+    ),
+    "asset/receptacle-spill": CodeInfo(
+        "warning",
+        "With content in it a receptacle leans or loses some of it",
+        "It stands on level ground with as much in it as it is made for, and does not hold still.",
+        "look at its foot, its mass and its mass centre",
+    ),
+    "asset/receptacle-tips": CodeInfo(
+        "warning",
+        "A receptacle tips over on a slight slope",
+        "Empty, or with content in it, it falls over on ground that things of use must stand on.",
+        "check mass centre and foot; give it a wider foot or another reference pose",
+    ),
+    # Supports.
+    "asset/support-no-surface": CodeInfo(
+        "warning",
+        "A support has no surface that holds things",
+        "Its role promises that things can be set on it, but no level face was found, or no probe stayed on one.",
+        "check which way is up; or state its role with --role",
+    ),
+    "asset/support-stack": CodeInfo(
+        "warning",
+        "Boxes set on a support do not stay",
+        "A stack at the middle or near the edge of a surface slides, leans or falls: the surface is rough, slanted or "
+        "slippery in its colliders.",
+        "look at the colliders under the surface and at friction",
+    ),
+    "asset/support-tips": CodeInfo(
+        "warning",
+        "A small load tips a support over",
+        "Less than it weighs itself at the middle of a surface, or less than a tenth of that near the edge, makes it "
+        "fall: its foot is narrow, its mass centre off, or its mass too small.",
+        "check foot, mass and mass centre",
+    ),
+    # Tools.
+    "asset/tool-no-grasp": CodeInfo(
+        "warning",
+        "No gripper can take a tool where it is to be held",
+        "Its handle, or without one the whole of it, has no place for fingers of any size that are strong enough.",
+        "check size and mass, and the colliders around the handle; or state its role with --role",
+    ),
+    "asset/tool-lost": CodeInfo(
+        "warning",
+        "The gripper loses a tool while it is lifted or used",
+        "Poured from, swung or stirred with, it leaves the pads.",
+        "check friction, mass and mass centre, and the colliders where the pads touch",
+    ),
+    "asset/tool-slip": CodeInfo(
+        "warning",
+        "A tool slides or turns between the pads while it is used",
+        "It is held, but points elsewhere than before: what is done with it misses.",
+        "check friction, mass and mass centre",
+    ),
 }

@@ -24,7 +24,7 @@ from sim.gripper_description import LINK_KG
 from sim.port import model_scale
 
 HAND_FORCE_FACTOR = 100.0  # times the weight of hand and body: force limit of the joints that move the hand
-_LINKS = 6  # that the mount moves at most
+_LINKS = 6  # that the mount moves at most, beside a wrist
 
 
 def grasp(body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
@@ -52,7 +52,8 @@ class _BulletGraspWorld:
         self._ground = pybullet.createMultiBody(0, plane, useMaximalCoordinates=1, physicsClientId=client)
         self._body = self._place_body(body, X_WA)
         self._gripper = BulletGripper(client, task, scaled(X_WA @ task.X_AG, self._scale), self._scale)
-        weight_n = (body.mass.mass_kg * self._scale**3 + _LINKS * LINK_KG) * GRAVITY_MPS2
+        links = _LINKS + task.motion.turns_wrist
+        weight_n = (body.mass.mass_kg * self._scale**3 + links * LINK_KG) * GRAVITY_MPS2
         self._strong = HAND_FORCE_FACTOR * weight_n
 
     @property
@@ -100,8 +101,8 @@ class _BulletGraspWorld:
         return bool(pybullet.getContactPoints(self._body, self._ground, physicsClientId=self._client))
 
     def _model(self, mount: FloatArray) -> FloatArray:
-        """Positions (4,) of the mount, or their rates per true second, with lengths of the model."""
-        return mount * [self._scale, self._scale, self._scale, 1.0]
+        """Positions (5,) of the mount, or their rates per true second, with lengths of the model."""
+        return mount * [self._scale, self._scale, self._scale, 1.0, 1.0]
 
     def _place_body(self, body: RigidBody, X_WA: FloatArray) -> int:
         client, scale = self._client, self._scale

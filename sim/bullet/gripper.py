@@ -12,7 +12,7 @@ from formats.urdf.write import write_urdf
 from geom import pose
 from schemas.arrays import FloatArray
 from sim.grasp_trial import GraspTask
-from sim.gripper_description import HAND, LEFT, MOUNT, RIGHT, describe_gripper
+from sim.gripper_description import HAND, LEFT, RIGHT, describe_gripper, mount_joints
 
 _GEAR_FORCE_N = 1e4  # of the coupling, which must not give way
 _GROUP, _OTHERS = 2, 1
@@ -23,7 +23,9 @@ class BulletGripper:
 
     def __init__(self, client: int, task: GraspTask, X_WG: FloatArray, scale: float) -> None:
         self._client = client
-        description = describe_gripper(task.gripper, task.opening_m, X_WG[:3, :3], scale)
+        description = describe_gripper(
+            task.gripper, task.opening_m, X_WG[:3, :3], scale, turns_wrist=task.motion.turns_wrist
+        )
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "gripper.urdf"
             file.write_bytes(write_urdf(description).data)
@@ -38,7 +40,7 @@ class BulletGripper:
         infos = [pybullet.getJointInfo(self.handle, j, physicsClientId=client) for j in joints]
         by_name = {info[1].decode(): info[0] for info in infos} | {info[12].decode(): info[0] for info in infos}
         self.left, self.right, self.hand = (by_name[name] for name in (LEFT, RIGHT, HAND))
-        self._mount = [by_name[name] for name in MOUNT]
+        self._mount = [by_name[name] for name in mount_joints(task.motion.turns_wrist)]
         self._count = len(infos)
         gear = pybullet.createConstraint(
             self.handle, self.left, self.handle, self.right, pybullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0],
@@ -56,21 +58,22 @@ class BulletGripper:
             pybullet.setCollisionFilterGroupMask(self.handle, link, _GROUP, _OTHERS, physicsClientId=client)
 
     def place(self, mount: FloatArray) -> None:
-        """Put the mount (4,) there at once, at rest."""
-        for joint, position in zip(self._mount, mount.tolist(), strict=True):
+        """Put the mount (5,) there at once, at rest; the wrist counts where it turns."""
+        for joint, position in zip(self._mount, mount.tolist(), strict=False):
             pybullet.resetJointState(self.handle, joint, position, 0.0, physicsClientId=self._client)
 
     def drive(self, mount: FloatArray, rate: FloatArray, force_n: float) -> None:
-        """Motors of the mount towards positions (4,) at rates (4,)."""
+        """Motors of the mount towards positions (5,) at rates (5,); those of the wrist count where it turns."""
+        count = len(self._mount)
         pybullet.setJointMotorControlArray(
             self.handle,
             self._mount,
             pybullet.POSITION_CONTROL,
-            targetPositions=mount.tolist(),
-            targetVelocities=rate.tolist(),
-            forces=[force_n] * 4,
-            positionGains=[0.3] * 4,
-            velocityGains=[1.0] * 4,
+            targetPositions=mount[:count].tolist(),
+            targetVelocities=rate[:count].tolist(),
+            forces=[force_n] * count,
+            positionGains=[0.3] * count,
+            velocityGains=[1.0] * count,
             physicsClientId=self._client,
         )
 

@@ -1,4 +1,4 @@
-"""The PyBullet implementation of `sim.port.Simulator`: drops, probes, grasps, joints; each object has a private client.
+"""The PyBullet implementation of `sim.port.Simulator`: drops, probes, loads, grasps, joints, in private clients.
 
 Traps of PyBullet 3.2.7 that this file works around, each covered by a test:
 - a free `btMultiBody`, the default, integrates the gyroscopic moment explicitly: a spinning box gains a fifth of its
@@ -33,11 +33,13 @@ from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, RigidBody
 from sim.bullet.grasp import grasp
 from sim.bullet.joint_exercise import exercise_joints
+from sim.bullet.loading import load
 from sim.bullet.probes import drop_probes
 from sim.bullet.shapes import PARKED_M
 from sim.bullet.world import dynamic_body, scaled
 from sim.grasp_trial import GraspOutcome, GraspTask
 from sim.joint_exercise import Articulation, ArticulationExercise, JointTask
+from sim.loading import LoadOutcome, LoadTask
 from sim.port import (
     DropResult,
     DropSettings,
@@ -125,6 +127,10 @@ class BulletSimulator:
     ) -> ProbeResult:
         """See `sim.port.Simulator`."""
         return drop_probes(fixed, probes, duration_s)
+
+    def load(self, body: RigidBody, task: LoadTask) -> LoadOutcome:
+        """See `sim.port.Simulator`."""
+        return load(body, task)
 
     def grasp(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> GraspOutcome:
         """See `sim.port.Simulator`."""

@@ -8,7 +8,9 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from geom.pose import matrix_of, pose
+from schemas.physics import CollisionShape
 from sim.fake import FakeSimulator
+from sim.loading import LoadTask, LooseProbe
 from sim.port import DropSettings, Simulator, rms_speeds, stillness_for, world_for
 from tests.support.sample_bodies import box, hull, sphere
 
@@ -63,3 +65,11 @@ def test_rms_speed_is_that_of_the_kinetic_energy() -> None:
     energy = 0.5 * body.mass.mass_kg * linear @ linear + 0.5 * angular @ inertia_W @ angular
     speed = rms_speeds(body.mass, turned[None], linear[None], angular[None])[0]
     assert speed == pytest.approx(np.sqrt(2 * energy / body.mass.mass_kg))
+
+
+def test_loads_come_to_rest_on_a_body_that_does_not_move() -> None:
+    probe = LooseProbe(CollisionShape("box", (0.02, 0.02, 0.02), pose(None, (0.0, 0.0, 0.2))), 0.1)
+    outcome = FAKE.load(box((0.1, 0.1, 0.1)), LoadTask(pose(None, (0.0, 0.0, 0.03)), (probe,), 1.0))
+    assert outcome.X_WP[-1, 0, :3, 3] == pytest.approx([0.0, 0.0, 0.14])
+    assert outcome.probes_in_body()[-1, 0, :3, 3] == pytest.approx([0.0, 0.0, 0.11])
+    assert outcome.turn_rad() == 0.0

@@ -34,6 +34,37 @@ class SuitePolicy:
     repeat_rad, repeat_share  by which final tilt, and place as a share of the size, may differ between repeats of what
                      stays upright.
 
+    Receptacles:
+    ball_shares      radii of the balls as shares of the largest ball that passes the opening: large ones as those that
+                     verify anchors, small ones that find gaps between colliders; none is as small as the colliders may
+                     be off the visible surface (`anchor_trials.OFF_SHARE`).
+    fall_heights     heights of the volume from which things fall in: SimReady's ground drop is from twice the height.
+    wall_m           wall that must stop a probe within one step of the engine: sheet and moulded walls are 1 mm and
+                     more. What is faster than its own radius and half of that wall a step goes through any wall in
+                     engines without continuous collision, so nothing is dropped faster.
+    phases           fast probes, with starts spread over one step.
+    stay_share       of probes that must stay, as for the anchors that scenes use (`anchor_trials.STAY_SHARE`).
+    content_kgpm3    of the volume that content weighs: half of it in water.
+    tip_rad          ground on which it must stand, empty and with content: IEC 60335-1, clause 20.1, appliances on a
+                     plane of 10 degrees with the most unfavourable quantity of liquid.
+    volumes          the largest ones, which are tried.
+
+    Supports:
+    surfaces         the first ones, which are tried.
+    stack, stack_edge  boxes upon one another, and the edge of a box as a share of the object's size; half as high.
+    stack_share      of its edge that a box may move, and `stack_rad` that it may turn, in a stack at rest.
+    load_middle, load_edge  least load in masses of the object that tips it over when it stands at the middle, and at
+                     the worst place at which a box stands wholly on the surface: what cannot carry its own mass, or a
+                     tenth of it at the edge, tips under what scenes put onto it.
+    load_most        load beyond which no limit is sought.
+    load_sure        share of the limit by geometry that must stand in simulation.
+
+    Tools:
+    far_share        of the largest distance of a grasp from the mass centre, from which on a grasp holds a tool that
+                     has no handle: of spread grasps the outermost ones.
+    use_slip_m       in the gripper over the motion of use, as for handling, or `use_slip_share` of the lever from the
+                     pads to the mass centre where that is more: a turn of as many radians between the pads.
+
     margin_share     to which the value is found from which on a suite holds.
     """
 
@@ -57,6 +88,26 @@ class SuitePolicy:
     steps_hz: tuple[float, ...] = (120.0, 480.0)
     repeat_rad: float = math.radians(5.0)
     repeat_share: float = 0.05
+    ball_shares: tuple[float, float] = (0.4, 0.1)
+    fall_heights: float = 2.0
+    wall_m: float = 0.001
+    phases: int = 24
+    stay_share: float = 0.8
+    content_kgpm3: float = 500.0
+    tip_rad: float = math.radians(10.0)
+    volumes: int = 4
+    surfaces: int = 4
+    stack: int = 3
+    stack_edge: float = 0.05
+    stack_share: float = 0.25
+    stack_rad: float = math.radians(5.0)
+    load_middle: float = 1.0
+    load_edge: float = 0.1
+    load_most: float = 3.0
+    load_sure: float = 0.9
+    far_share: float = 0.8
+    use_slip_m: float = 0.01
+    use_slip_share: float = 0.1
     margin_share: float = 0.1
 
 

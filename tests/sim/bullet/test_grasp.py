@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from assetkit.affordances.grasps import pad_friction, propose_grasps
-from geom.pose import pose_from_quat
+from geom.pose import angle_between, pose_from_quat, quat_of, rotation_about
 from schemas.affordances import Grasp
 from schemas.physics import RigidBody
 from sim.bullet.simulator import BulletSimulator
-from sim.grasp_trial import GraspOutcome, GraspTask
+from sim.grasp_trial import TILT_RAD, GraspOutcome, GraspTask, HandMotion, Phase
 from tests.assetkit.affordances.test_grasps import THINGS
 
 
@@ -52,3 +52,21 @@ def test_pads_beside_the_body_hold_nothing():
 def test_equal_trials_end_equal():
     grasp = propose_grasps(THINGS["can"], ()).grasps[0]
     assert lift(THINGS["can"], grasp) == lift(THINGS["can"], grasp)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_a_wrist_turns_what_it_holds_about_the_closing_axis(sense: float):
+    grasp = propose_grasps(THINGS["box"], ()).grasps[0]
+    phases = ((Phase.CLOSE, 0.35), (Phase.LIFT, 0.8), (Phase.TILT, 3.0), (Phase.RELEASE, 0.3))
+    X_AG = pose_from_quat(np.array(grasp.quat_wxyz), grasp.position_m)
+    task = GraspTask(
+        X_AG, grasp.opening_m, grasp.force_n, 0.6, motion=HandMotion(phases, wrist_sense=sense), trace_s=0.05
+    )
+    with BulletSimulator() as simulator:
+        outcome = simulator.grasp(THINGS["box"], np.eye(4), task)
+    assert outcome.held
+    assert outcome.slip_m < 0.01
+    assert outcome.trace is not None
+    middle = int(np.argmin(np.abs(outcome.trace.times_s - (0.05 + 0.35 + 0.8 + 1.5))))
+    wanted = rotation_about(X_AG[:3, 0], sense * TILT_RAD)
+    assert angle_between(quat_of(outcome.trace.X_WA[middle, :3, :3]), quat_of(wanted)) < math.radians(3.0)

@@ -20,7 +20,7 @@ from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape, RigidBody
 from sim.grasp_run import run_grasp
 from sim.grasp_trial import GraspOutcome, GraspTask
-from sim.gripper_description import HAND, LEFT, LINK_KG, MOUNT, RIGHT, describe_gripper
+from sim.gripper_description import HAND, LEFT, LINK_KG, RIGHT, describe_gripper, mount_joints
 from sim.port import DropResult, DropSettings, pair_value, rms_speeds
 
 STEP_S = 0.0005  # in place of 1/240 s: MuJoCo's contacts need finer steps than those that suites ask for
@@ -108,7 +108,10 @@ class _MujocoGraspWorld:
     def __init__(self, body: RigidBody, X_WA: FloatArray, task: GraspTask) -> None:
         self._task, self._touched = task, dict[int, float]()
         X_WG = X_WA @ task.X_AG
-        urdf = write_urdf(describe_gripper(task.gripper, task.opening_m, X_WG[:3, :3])).data.decode()
+        turns = task.motion.turns_wrist
+        self._mount = mount_joints(turns)
+        gripper = describe_gripper(task.gripper, task.opening_m, X_WG[:3, :3], turns_wrist=turns)
+        urdf = write_urdf(gripper).data.decode()
         spec = mujoco.MjSpec.from_string(urdf)  # Its mimic joint becomes an equality.
         spec.compiler.fusestatic = False
         for geom in spec.geoms:
@@ -120,8 +123,8 @@ class _MujocoGraspWorld:
         _set_world(spec, (0.0, 0.0, -GRAVITY_MPS2), STEP_S * task.step_s * 240.0)
         # Body against the pads with the friction of the task, against the ground half of it, as in the other engine.
         _add_body(spec, body, [task.friction, *PATCH_FRICTION_M])
-        self._strong = HAND_FORCE_FACTOR * (body.mass.mass_kg + 6.0 * LINK_KG) * GRAVITY_MPS2
-        for name in MOUNT:
+        self._strong = HAND_FORCE_FACTOR * (body.mass.mass_kg + (6.0 + turns) * LINK_KG) * GRAVITY_MPS2
+        for name in self._mount:
             _motor(spec, name, kp=4e4, kv=1.2e3, force_n=self._strong)
         for name in (LEFT, RIGHT):
             motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
@@ -129,7 +132,7 @@ class _MujocoGraspWorld:
             motor.forcerange = [-task.force_n, task.force_n]
         self._model = model = spec.compile()
         self._data = mujoco.MjData(model)
-        for name in (LEFT, RIGHT, *MOUNT):  # The limit of the finger's motor is the task's, not the URDF's.
+        for name in (LEFT, RIGHT, *self._mount):  # The limit of the finger's motor is the task's, not the URDF's.
             joint = model.joint(name)
             model.jnt_actfrclimited[joint.id] = False
         names = model.geom
@@ -139,8 +142,8 @@ class _MujocoGraspWorld:
             model.body(LEFT).id,
             model.body(RIGHT).id,
             model.body(HAND).id,
-            [int(model.joint(name).qposadr[0]) for name in MOUNT],
-            {name: model.actuator(name).id for name in (*MOUNT, LEFT, RIGHT)},
+            [int(model.joint(name).qposadr[0]) for name in self._mount],
+            {name: model.actuator(name).id for name in (*self._mount, LEFT, RIGHT)},
         )
         _place(model, self._data, X_WA)
         mujoco.mj_forward(model, self._data)
@@ -150,13 +153,13 @@ class _MujocoGraspWorld:
         return float(self._data.time)
 
     def place_mount(self, positions: FloatArray) -> None:
-        for address, position in zip(self._handles.mount, positions.tolist(), strict=True):
+        for address, position in zip(self._handles.mount, positions.tolist(), strict=False):
             self._data.qpos[address] = position
         mujoco.mj_forward(self._model, self._data)
 
     def drive_mount(self, positions: FloatArray, rates: FloatArray) -> None:
         # A position servo damps against standing still: its target runs ahead by what the rate is worth.
-        for name, position, rate in zip(MOUNT, positions.tolist(), rates.tolist(), strict=True):
+        for name, position, rate in zip(self._mount, positions.tolist(), rates.tolist(), strict=False):
             self._data.ctrl[self._handles.actuators[name]] = position + rate * 1.2e3 / 4e4
 
     def drive_fingers(self, closing: float) -> None:

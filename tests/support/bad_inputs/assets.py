@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 import trimesh
 
+from assetkit.acceptance.suites.table import SUITES
+
 Writer = Callable[[Path], Path]
 
 CUBE = trimesh.creation.box((0.1, 0.1, 0.1))
@@ -330,15 +332,7 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/grasp-not-held": "tests/assetkit/affordances/test_grasp_trials.py",
     "asset/catalog-unreadable": "tests/assetkit/library/test_search.py",
     "asset/joint-stuck": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/slope-astray": "tests/assetkit/acceptance/suites/test_common.py",
-    "asset/settling-unrepeatable": "tests/assetkit/acceptance/suites/test_common.py",
     "asset/role-withdrawn": "tests/assetkit/acceptance/suites/test_roles.py",
-    "asset/handling-no-grasp": "tests/assetkit/acceptance/suites/test_manipulated.py",
-    "asset/handling-pushed": "tests/assetkit/acceptance/suites/test_manipulated.py",
-    "asset/handling-lost": "tests/assetkit/acceptance/suites/test_manipulated.py",
-    "asset/handling-slip": "tests/assetkit/acceptance/suites/test_manipulated.py",
-    "asset/handling-not-released": "tests/assetkit/acceptance/suites/test_manipulated.py",
-    "asset/handling-landing": "tests/assetkit/acceptance/suites/test_manipulated.py",
     "asset/joint-blocked": "tests/assetkit/acceptance/test_judge_joints.py",
     "asset/joint-overruns-limit": "tests/assetkit/acceptance/test_judge_joints.py",
     "asset/joint-axis-astray": "tests/assetkit/acceptance/test_judge_joints.py",
@@ -360,4 +354,4 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/decision-outdated": "tests/assetkit/batch/test_decisions.py",
     "asset/decision-unreadable": "tests/assetkit/batch/test_decisions.py",
     "asset/name-sanitised": "tests/usdio/write/test_source_names.py",
-}
+} | {code: f"tests/assetkit/acceptance/suites/test_{suite.name}.py" for suite in SUITES for code in suite.codes}

@@ -1,0 +1,1 @@
+"""Tests of the suites of acceptance, one file per suite; `crates` and `subjects` make what they run on."""
