@@ -48,7 +48,7 @@ class AcceptPackage(Stage):
     """Judges the bytes that are shipped, never the values in memory."""
 
     name = "acceptance"
-    version = 10
+    version = 11
     result = Acceptance
     reads = (Canonical, Appearance, Semantics, Interaction, Physics, Previews)
 
@@ -82,15 +82,15 @@ class AcceptPackage(Stage):
         simulated = simulated.with_joints(joints)
         roles = roles_with_joints(draft[Semantics].section.roles, draft[Interaction].joint_uses)
         results = _suite_results(package.main_file, draft, simulated, acceptance, roles, tools)
-        kept = judge_roles(roles, results)
+        role_verdict = judge_roles(roles, results)
         judged = judge_bytes(package.main_file, simulated, collider_misses_bounds)
         require_files(package)
-        diagnostics = (*names, *judged.diagnostics, *anchors.diagnostics, *offered.diagnostics, *kept.findings)
+        diagnostics = (*names, *judged.diagnostics, *anchors.diagnostics, *offered.diagnostics, *role_verdict.findings)
         section = judged.section.model_copy(update={"suites": tuple(result.section for result in results)})
         return Outcome(
-            replace(acceptance, section=section, withdrawn_roles=kept.withdrawn),
+            replace(acceptance, section=section, withdrawn_roles=role_verdict.withdrawn),
             diagnostics,
-            review=judged.review or joints.review or kept.review,
+            review=judged.review or joints.review or role_verdict.review,
         )
 
 

@@ -1,14 +1,16 @@
 """How far a suite that passes keeps passing: at other engine steps, and at other values of friction and mass.
 
-Each quantity goes to both ends of its bounds while the other stays; where the suite fails there, the value from which
-on it holds is found by bisection. Corners of both are tried where both of their ends pass alone.
+The four corners of the bounds of friction and mass come first: a suite that passes at all of them is taken to pass
+between them. Else each quantity goes to both ends of its bounds while the other stays, and where the suite fails there
+the value from which on it holds is found by bisection.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import product
 from typing import Literal
 
 from assetkit.acceptance.suites.policy import POLICY
@@ -44,9 +46,12 @@ def variations(suite: Suite, subject: Subject, simulator: Simulator) -> Variatio
         ranges["friction"] = body.contact.dynamic_friction, subject.friction_bounds
     if subject.mass_bounds_kg is not None:
         ranges["mass_kg"] = body.mass.mass_kg, subject.mass_bounds_kg
-    margins = tuple(_margin(quantity, *values, passes) for quantity, values in ranges.items())
-    corners = _corners(margins[0], margins[1], passes) if len(margins) == 2 else []
-    return Variations(repeats, tuple(corners), margins)
+    corners = _corners(ranges, passes)
+    if corners and all(corner.passed for corner in corners):
+        margins = [Margin(quantity=q, low=low, high=high, bounds=(low, high)) for q, (_, (low, high)) in ranges.items()]
+    else:
+        margins = [_margin(quantity, *values, passes) for quantity, values in ranges.items()]
+    return Variations(repeats, tuple(corners), tuple(margins))
 
 
 def _margin(
@@ -71,14 +76,14 @@ def _at(quantity: Quantity, value: float) -> Conditions:
     return Conditions(name, friction=value) if quantity == "friction" else Conditions(name, mass_kg=value)
 
 
-def _corners(friction: Margin, mass: Margin, passes: Callable[[Conditions], bool]) -> list[Corner]:
+def _corners(
+    ranges: Mapping[Quantity, tuple[float, tuple[float, float]]], passes: Callable[[Conditions], bool]
+) -> list[Corner]:
+    """Where both have bounds."""
+    if len(ranges) < 2:
+        return []
     corners: list[Corner] = []
-    for f, f_passes in zip(friction.bounds, _ends_pass(friction), strict=True):
-        for m, m_passes in zip(mass.bounds, _ends_pass(mass), strict=True):
-            both = f_passes and m_passes and passes(Conditions("corner", friction=f, mass_kg=m))
-            corners.append(Corner(friction=f, mass_kg=m, passed=both))
+    for friction, mass_kg in product(ranges["friction"][1], ranges["mass_kg"][1]):
+        passed = passes(Conditions("corner", friction=friction, mass_kg=mass_kg))
+        corners.append(Corner(friction=friction, mass_kg=mass_kg, passed=passed))
     return corners
-
-
-def _ends_pass(margin: Margin) -> tuple[bool, bool]:
-    return margin.low <= margin.bounds[0], margin.high >= margin.bounds[1]

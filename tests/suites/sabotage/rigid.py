@@ -151,16 +151,16 @@ def cavity_filled(victim: Victim) -> bool:
                              corners[hull.simplices[:, 2]] - corners[hull.simplices[:, 0]]), hull.equations[:, :3]
     )  # fmt: skip
     faces = np.where((outward < 0.0)[:, None], hull.simplices[:, ::-1], hull.simplices)
-    kept = UsdGeom.Mesh(hulls[0])
-    kept.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(corners.astype(np.float32)))
-    kept.GetFaceVertexIndicesAttr().Set(Vt.IntArray.FromNumpy(faces.astype(np.int32).ravel()))
-    kept.GetFaceVertexCountsAttr().Set(Vt.IntArray.FromNumpy(np.full(len(faces), 3, np.int32)))
-    kept.GetExtentAttr().Set(
+    only = UsdGeom.Mesh(hulls[0])
+    only.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(corners.astype(np.float32)))
+    only.GetFaceVertexIndicesAttr().Set(Vt.IntArray.FromNumpy(faces.astype(np.int32).ravel()))
+    only.GetFaceVertexCountsAttr().Set(Vt.IntArray.FromNumpy(np.full(len(faces), 3, np.int32)))
+    only.GetExtentAttr().Set(
         Vt.Vec3fArray.FromNumpy(np.stack([corners.min(axis=0), corners.max(axis=0)]).astype(np.float32))
     )
-    kept.GetNormalsAttr().Clear()
+    only.GetNormalsAttr().Clear()
     for collider in victim.colliders:
-        if collider != kept.GetPrim():
+        if collider != only.GetPrim():
             victim.remove(collider)
     return True
 

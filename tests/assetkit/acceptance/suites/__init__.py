@@ -1,1 +1,1 @@
-"""Tests of the suites of acceptance, one file per suite; `crates` and `subjects` make what they run on."""
+"""Suites of acceptance: what passes, what each way of failing is called, and how far values may go."""
