@@ -68,9 +68,9 @@ SUITE_CODES: dict[str, CodeInfo] = {
     # Receptacles.
     "asset/receptacle-no-volume": CodeInfo(
         "warning",
-        "A receptacle has no volume that holds things",
+        "A receptacle has no volume or surface that holds things",
         "Its role promises that things can be put into it, but no inside was found, or no probe stayed in one: the "
-        "opening is closed, or colliders fill the inside.",
+        "opening is closed, or colliders fill the inside; nor is there a surface as that of a plate.",
         "open it in the source, or state its role with --role; look at the colliders over the cavity",
     ),
     "asset/receptacle-leaves": CodeInfo(

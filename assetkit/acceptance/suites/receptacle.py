@@ -17,6 +17,7 @@ from assetkit.acceptance.settling import TOPPLED_RAD
 from assetkit.acceptance.stable_poses import resting_pose
 from assetkit.acceptance.suites.policy import POLICY
 from assetkit.acceptance.suites.suite import CheckList, Conditions, Subject, SuiteRun, at_least, at_most
+from assetkit.acceptance.suites.support import SurfaceTrial
 from assetkit.affordances.anchor_trials import BALL_OF_HEIGHT, OFF_SHARE, opens_up, spread_positions
 from assetkit.affordances.inside import Inside
 from geom.convex.placement import moved_shape
@@ -58,12 +59,17 @@ class ReceptacleSuite:
         return ""
 
     def run(self, subject: Subject, simulator: Simulator, conditions: Conditions) -> SuiteRun:
-        """Each volume, the largest first; without any the role is not kept."""
+        """Each volume, the largest first; what has none, as a plate, holds things on its main surface."""
         checks = CheckList(Location(file=subject.main_file.name))
         volumes = [anchor for anchor in subject.anchors if anchor.kind == "volume"]
         volumes = sorted(volumes, key=lambda v: -v.volume_m3)[: POLICY.volumes]
+        surfaces = [anchor for anchor in subject.anchors if anchor.kind == "surface"]
+        if not volumes and surfaces and not subject.is_articulated:
+            trial = SurfaceTrial(subject.under(conditions).body, surfaces[0], conditions.step_s)
+            trial.stack(checks, simulator, "asset/receptacle-leaves")
+            return checks.run()
         count = at_least("volumes", len(volumes), 1, "")
-        checks.add("asset/receptacle-no-volume", "it is to hold things, but has no volume that does", count)
+        checks.add("asset/receptacle-no-volume", "it is to hold things, but has no volume or surface that does", count)
         varied = subject.under(conditions)
         for volume in volumes:
             if conditions.mass_kg is None and conditions.friction is None:  # Walls are where they are at any.

@@ -54,14 +54,14 @@ class SupportSuite:
         checks.add("asset/support-no-surface", "it is to carry things, but has no surface that does", count)
         body = subject.under(conditions).body
         for surface in surfaces:
-            trial = _Trial(body, surface, conditions.step_s)
+            trial = SurfaceTrial(body, surface, conditions.step_s)
             trial.stack(checks, simulator)
             for place in ("middle", "edge"):
                 trial.load(checks, simulator, place)
         return checks.run()
 
 
-class _Trial:
+class SurfaceTrial:
     """One surface of a body in its reference pose, and the places of boxes on it, in the frame of the body."""
 
     def __init__(self, body: RigidBody, surface: SupportSurface, step_s: float) -> None:
@@ -87,7 +87,7 @@ class _Trial:
         weakest = int(loads.argmin())
         return float(loads[weakest]), places[weakest]
 
-    def stack(self, checks: CheckList, simulator: Simulator) -> None:
+    def stack(self, checks: CheckList, simulator: Simulator, code: str = "asset/support-stack") -> None:
         """A stack at the middle and one at the worst place near the edge, which weighs what that place must bear."""
         places = {name: at for name, (_, at) in self._limits.items()}
         if np.linalg.norm(places["edge"] - places["middle"]) < 1.5 * self._edge:
@@ -98,7 +98,6 @@ class _Trial:
         X_AP = outcome.probes_in_body()
         moved = np.linalg.norm(X_AP[-1, :, :3, 3] - X_AP[0, :, :3, 3], axis=1) / self._edge
         turned = np.degrees(np.arccos(np.clip(X_AP[-1, :, 2, 2], -1.0, 1.0)))
-        code = "asset/support-stack"
         checks.add(
             code, f"{self._name}: on it boxes diverge", at_least(f"{self._name}_finite", outcome.finite, 1.0, "")
         )

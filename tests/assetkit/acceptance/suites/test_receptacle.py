@@ -16,8 +16,9 @@ from schemas.physics import MassProperties, RigidBody
 from sim.bullet.simulator import BulletSimulator
 from sim.fake import FakeSimulator
 from sim.loading import LoadOutcome, LoadTask
-from tests.assetkit.acceptance.suites.crates import HEIGHT, LENGTH, WALL, Plate, crate, inside
+from tests.assetkit.acceptance.suites.crates import HEIGHT, LENGTH, WALL, Plate, crate, inside, top
 from tests.assetkit.acceptance.suites.subjects import subject
+from tests.support.sample_bodies import boxes
 
 SUITE = ReceptacleSuite()
 OUTER = LENGTH + 2.0 * WALL
@@ -50,6 +51,15 @@ def test_a_promise_without_a_volume_is_not_kept() -> None:
     ended = SUITE.run(subject(crate(), "receptacle"), FakeSimulator(), NOMINAL)
     assert codes(ended) == ["asset/receptacle-no-volume"]
     assert not ended.passes
+
+
+def test_a_flat_plate_holds_things_on_its_face_and_not_where_it_is_gone() -> None:
+    flat = boxes([((0.2, 0.2, 0.01), (0.0, 0.0, 0.005))])
+    plate = replace(subject(flat, "receptacle"), anchors=(top(0.18, 0.01),))
+    with BulletSimulator() as simulator:
+        assert SUITE.run(plate, simulator, NOMINAL).passes
+        in_the_air = replace(plate, anchors=(top(0.18, 0.11),))
+        assert codes(SUITE.run(in_the_air, simulator, NOMINAL)) == ["asset/receptacle-leaves"]
 
 
 def test_things_do_not_stay_in_an_inside_that_colliders_fill() -> None:
