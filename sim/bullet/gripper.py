@@ -10,20 +10,31 @@ import pybullet
 
 from formats.urdf.write import write_urdf
 from geom import pose
+from geom.grasp.gripper import Gripper
 from schemas.arrays import FloatArray
-from sim.grasp_trial import GraspTask
-from sim.gripper_description import HAND, LEFT, MOUNT, RIGHT, describe_gripper
+from sim.gripper_description import HAND, LEFT, MOUNT, RIGHT, UP, describe_gripper
 
 _GEAR_FORCE_N = 1e4  # of the coupling, which must not give way
 _GROUP, _OTHERS = 2, 1
 
 
 class BulletGripper:
-    """A gripper with its grip centre at X_WG (4, 4), lengths of the model, `scale` times as large as its true size."""
+    """A gripper with its grip centre at X_WG (4, 4), lengths of the model, `scale` times as large as its true size.
 
-    def __init__(self, client: int, task: GraspTask, X_WG: FloatArray, scale: float) -> None:
+    It is opened by `opening_m`, at true size; its mount turns about `turn_axis_W` (3,).
+    """
+
+    def __init__(
+        self,
+        client: int,
+        gripper: Gripper,
+        opening_m: float,
+        X_WG: FloatArray,
+        scale: float,
+        turn_axis_W: FloatArray = UP,
+    ) -> None:
         self._client = client
-        description = describe_gripper(task.gripper, task.opening_m, X_WG[:3, :3], scale)
+        description = describe_gripper(gripper, opening_m, X_WG[:3, :3], scale, turn_axis_W)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "gripper.urdf"
             file.write_bytes(write_urdf(description).data)
@@ -39,6 +50,7 @@ class BulletGripper:
         by_name = {info[1].decode(): info[0] for info in infos} | {info[12].decode(): info[0] for info in infos}
         self.left, self.right, self.hand = (by_name[name] for name in (LEFT, RIGHT, HAND))
         self._mount = [by_name[name] for name in MOUNT]
+        self._moving = [info[0] for info in infos if info[2] != pybullet.JOINT_FIXED]
         self._count = len(infos)
         gear = pybullet.createConstraint(
             self.handle, self.left, self.handle, self.right, pybullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0],
@@ -60,15 +72,15 @@ class BulletGripper:
         for joint, position in zip(self._mount, mount.tolist(), strict=True):
             pybullet.resetJointState(self.handle, joint, position, 0.0, physicsClientId=self._client)
 
-    def drive(self, mount: FloatArray, rate: FloatArray, force_n: float) -> None:
-        """Motors of the mount towards positions (4,) at rates (4,)."""
+    def drive(self, mount: FloatArray, rate: FloatArray, efforts: FloatArray) -> None:
+        """Motors of the mount towards positions (4,) at rates (4,), with efforts (4,) at most."""
         pybullet.setJointMotorControlArray(
             self.handle,
             self._mount,
             pybullet.POSITION_CONTROL,
             targetPositions=mount.tolist(),
             targetVelocities=rate.tolist(),
-            forces=[force_n] * 4,
+            forces=efforts.tolist(),
             positionGains=[0.3] * 4,
             velocityGains=[1.0] * 4,
             physicsClientId=self._client,
@@ -105,3 +117,17 @@ class BulletGripper:
         return all(
             pybullet.getContactPoints(self.handle, body, link, -1, physicsClientId=self._client) for link in links
         )
+
+    def mount_efforts(self) -> FloatArray:
+        """(4,) efforts of the motors of the mount in the last step beyond those that carry the gripper at rest."""
+        states = [pybullet.getJointState(self.handle, j, physicsClientId=self._client) for j in self._moving]
+        still = [0.0] * len(states)
+        weight = pybullet.calculateInverseDynamics(
+            self.handle, [state[0] for state in states], still, still, physicsClientId=self._client
+        )
+        return np.array([states[k][3] - weight[k] for k in map(self._moving.index, self._mount)])
+
+    def set_friction(self, friction: float) -> None:
+        """Friction of pads and hand; the engine multiplies it with that of what they touch."""
+        for link in range(self._count):
+            pybullet.changeDynamics(self.handle, link, lateralFriction=friction, physicsClientId=self._client)

@@ -33,6 +33,19 @@ class SuitePolicy:
     repeat_rad, repeat_share  by which final tilt, and place as a share of the size, may differ between repeats of what
                      stays upright.
 
+    Joints (`fixture`):
+    joints           that are handled, the first ones on record; more would take longer than everything else.
+    joint_tries      ways that are tried with pads, and as many with closed fingers.
+    joint_pull_rad   between the first motion at the contact and the direction on record: a wide region
+                     moves in several directions; another sign of the axis is 180 degrees off.
+    joint_free       share of the range over which hand and fingers must be clear of the object: half open lets a hand
+                     or an object through.
+    joint_turn_rad   that a hand turns at most in one go: the last joint of a Franka arm turns 2.9 rad either way.
+    joint_followed   share of the way of the hand that the joint must make: SimReady's benchmark is content with 2 %.
+    joint_kept       share of the time of moving in which both pads must touch the link.
+    joint_back       share of the range that may be left when it is moved back.
+    joint_speed      of the joint over that of the hand: what it may jump ahead when it is freed.
+
     margin_share     to which the value is found from which on a suite holds.
     """
 
@@ -56,6 +69,15 @@ class SuitePolicy:
     steps_hz: tuple[float, ...] = (120.0, 480.0)
     repeat_rad: float = math.radians(5.0)
     repeat_share: float = 0.05
+    joints: int = 8
+    joint_tries: int = 3
+    joint_pull_rad: float = math.radians(60.0)
+    joint_free: float = 0.5
+    joint_turn_rad: float = 2.9
+    joint_followed: float = 0.9
+    joint_kept: float = 0.9
+    joint_back: float = 0.1
+    joint_speed: float = 5.0
     margin_share: float = 0.1
 
 
