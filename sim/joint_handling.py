@@ -126,7 +126,8 @@ class HandlingOutcome:
 
     began        position of the joint when the hand begins to move it, `reached` at the end of the move, and `back` at
                  the end of the way back; where the pads do not hold it, at the end of all.
-    kept         share of the time of moving in which the pads, or the fingers that push, touched the moved links.
+    kept         share of the time of moving in which the pads, or the fingers that push, were within a
+                 millimetre of the moved links.
     force_n      largest force between hand and link along the path, as a mean over `FORCE_WINDOW_S`; of a turning joint
                  the moment about its axis over `HandlingTask.arm_m`.
     fastest      highest rate of the joint over the highest that the path has.

@@ -22,8 +22,8 @@ from schemas.mechanism import MechanismJoint
 from schemas.physical_constants import GRAVITY_MPS2
 from sim.bullet.articulation import BuiltArticulation, build
 from sim.bullet.gripper import BulletGripper
-from sim.bullet.joint_motors import apply_passive, drive_followers, hold_joints
-from sim.bullet.joint_stroke import stroke_of
+from sim.bullet.joint_motors import drive_followers, hold_joints
+from sim.bullet.joint_stroke import Stroke, stroke_of
 from sim.bullet.world import private_client, scaled
 from sim.gripper_description import LINK_KG
 from sim.joint_exercise import Articulation, followers, moved_links
@@ -41,9 +41,9 @@ from sim.joint_handling import (
 
 # A lever of 5 g between fingers of 0.5 kg each: with the 100 of the exercise friction stays far below its limit.
 HANDLING_ITERATIONS = 400
+TOUCHING_M = 0.001  # One pad may carry all that moves the joint, while the other follows.
 _MOUNT_LINKS = 7  # that the mount moves at most
 _OBJECT_GROUP, _GRIPPER_GROUP = 1, 2
-_LEAST_INERTIA = 1e-12
 _NEXT = 1e-4  # of the way: step of the numerical derivative of the path
 _ASTRAY = 100.0  # ways beyond the end: the motion diverged
 _MOVING = (HandlingPhase.MOVE, HandlingPhase.BACK)
@@ -97,7 +97,6 @@ class _Handling:
         )
         contact = next(body.contact for body in built.articulation.links if body.name == self._joint.child)
         self._gripper.set_friction(task.friction / math.sqrt(max(contact.dynamic_friction, 1e-6)))
-        self._inertia = max(built.effective_inertia(self._joint), _LEAST_INERTIA)
         strong = task.hand_n * self._scale**3 + _MOUNT_LINKS * LINK_KG * GRAVITY_MPS2
         self._efforts = strong * np.array([1.0, 1.0, 1.0, TURN_LENGTH_M * self._scale])
         self._steps, self._finite, self._seen = 0, True, _Seen()
@@ -157,27 +156,42 @@ class _Handling:
                 self._trace.append((time_s, self._built.state(self._joint)[0], self._gripper.boxes()))
 
     def _step_joint(self) -> None:
-        """A step with friction, damping and spring of the joint, and its followers."""
+        """A step with what resists or drives the joint, and its followers."""
         built, joint = self._built, self._joint
         stroke = self._strokes[joint.name]
         position, rate = built.state(joint)
         state = (position - joint.rest) * built.unit(joint), rate
-        pybullet.setJointMotorControl2(
-            built.handle,
-            built.joint_index(joint),
-            pybullet.VELOCITY_CONTROL,
-            targetVelocity=0.0,
-            velocityGain=1.0,
-            force=stroke.friction,
-            physicsClientId=self._client,
-        )
-        apply_passive(built, stroke, state, self._inertia, self._task.step_s)
+        self._resist(stroke, *state)
         seconds = stroke.seconds("slow", self._root)
         drive_followers(built, self._strokes, joint, self._followers, state, seconds, self._task.step_s)
         pybullet.stepSimulation(physicsClientId=self._client)
         position = built.state(joint)[0]
         way = abs(self._task.end - self._task.start)
         self._finite = math.isfinite(position) and abs(position - self._task.start) <= _ASTRAY * way
+
+    def _resist(self, stroke: Stroke, q: float, qd: float) -> None:
+        """Friction, damping and spring as a motor whose effort is limited to theirs, in units of the model.
+
+        The solver then weighs them against hand and limits, however light the link; an explicit force throws it about,
+        and one that is implicit for the link alone gives way to the hand.
+        """
+        resisting = stroke.friction + stroke.damping * abs(qd)
+        way = (stroke.joint.spring_rest - stroke.joint.rest) * self._built.unit(stroke.joint) - q
+        spring = stroke.stiffness * way
+        target = 0.0
+        if qd * spring < 0.0:
+            target, resisting = way / self._task.step_s, abs(spring) + resisting
+        elif abs(spring) > resisting:
+            target, resisting = way / self._task.step_s, abs(spring) - resisting
+        pybullet.setJointMotorControl2(
+            self._built.handle,
+            self._built.joint_index(stroke.joint),
+            pybullet.VELOCITY_CONTROL,
+            targetVelocity=target,
+            velocityGain=1.0,
+            force=resisting,
+            physicsClientId=self._client,
+        )
 
     def _hand(self, phase: HandlingPhase, share: float) -> FloatArray:
         """(4,) where the mount is to be after that share of a phase, true lengths."""
@@ -198,7 +212,8 @@ class _Handling:
         """Contacts of the gripper, its force along the path and the speed of the joint in this step."""
         gripper, seen = self._gripper, self._seen
         points = pybullet.getContactPoints(gripper.handle, self._built.handle, physicsClientId=self._client)
-        touched = {point[3] for point in points if point[4] in self._moved and point[9] > 0.0}
+        near = TOUCHING_M * self._scale
+        touched = {point[3] for point in points if point[4] in self._moved and point[8] <= near}
         seen.steps += 1
         seen.touching += {gripper.left, gripper.right} <= touched if self._task.takes else bool(touched)
         seen.recent.append(self._hand_force(tangent))
