@@ -15,7 +15,7 @@ import pytest
 
 from assetkit.acceptance.suites.fixture import FixtureSuite
 from assetkit.acceptance.suites.suite import NOMINAL, Subject, SuiteRun
-from schemas.articulation import JointContact, JointUse
+from schemas.articulation import JointContact, JointTask, JointUse
 from schemas.evidence import inferred
 from schemas.mechanism import MechanismJoint
 from sim.bullet.simulator import BulletSimulator
@@ -46,7 +46,7 @@ def bullet() -> Iterator[Simulator]:
         yield simulator
 
 
-def use(joint: str, contact: JointContact, end: float, task: str = "open", group: str = "drawer") -> JointUse:
+def use(joint: str, contact: JointContact, end: float, task: JointTask = "open", group: str = "drawer") -> JointUse:
     return JointUse(
         joint=joint,
         group=inferred(group, "drawn", 0.9),
