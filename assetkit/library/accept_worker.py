@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from assetkit.acceptance.joints.judge_joints import judge_joints
@@ -43,7 +44,20 @@ def accept_package(request: AcceptanceRequest) -> AcceptanceReport:
         sections += [SuiteSection(name=suite.name, outcome="not_run", reason=reason) for suite in chosen]
     sections += [result.section for result in results]
     findings += [finding for result in results for finding in result.findings]
-    return AcceptanceReport(roles=subject.roles, suites=tuple(sections), findings=tuple(findings))
+    video = _filmed(subject, results, Path(request.video)) if request.video else ""
+    return AcceptanceReport(roles=subject.roles, suites=tuple(sections), findings=tuple(findings), video=video)
+
+
+def _filmed(subject: Subject, results: Sequence[SuiteResult], out: Path) -> str:
+    """The GIF of the motions of the suites, the path of it as text; "" where nothing moved."""
+    from assetkit.library.acceptance_video import write_video
+    from assetkit.library.drawn_package import drawn_package
+
+    runs = [result.nominal for result in results if result.nominal is not None]
+    grasp = next((run.trace for run in runs if run.trace is not None), None)
+    handled = [trace for run in runs for trace in run.handled]
+    written = write_video(drawn_package(subject.main_file, subject.content), grasp, handled, out)
+    return "" if written is None else str(written)
 
 
 def _whole_object(subject: Subject, simulator: Simulator) -> tuple[SuiteSection, tuple[Diagnostic, ...]]:
