@@ -32,10 +32,19 @@ BOXES = ("gripper left finger", "gripper right finger", "gripper hand")
 _FINGER, _HAND = (0.80, 0.30, 0.05), (0.12, 0.14, 0.17)  # linear RGB
 
 
-def write_video(model: Model, grasp: GraspTrace | None, handled: Sequence[HandlingTrace], out: Path) -> Path | None:
+def write_video(
+    model: Model,
+    grasp: GraspTrace | None,
+    handled: Sequence[HandlingTrace],
+    out: Path,
+    *,
+    frames: int = MOST_FRAMES,
+    size_px: int = VIDEO_PX,
+) -> Path | None:
     """Write the GIF `out` of the grasp and of the joints one after the other; None, and nothing, without any motion.
 
-    `model` is canonical, in the frame of the traces. Raises RuntimeError when the renderer fails.
+    About `frames` pictures; `model` is canonical, in the frame of the traces. Raises RuntimeError when the renderer
+    fails.
     """
     links = tuple(dict.fromkeys(mesh.link for mesh in model.meshes))
     pieces = [] if grasp is None else [_carried(links, grasp)]
@@ -43,7 +52,7 @@ def write_video(model: Model, grasp: GraspTrace | None, handled: Sequence[Handli
     rows = sum(len(times_s) for times_s, _ in pieces)
     if not rows:
         return None
-    every = max(rows / MOST_FRAMES, 1.0)
+    every = max(rows / frames, 1.0)
     shown: dict[str, list[FloatArray]] = {name: [] for name in (*links, *BOXES)}
     for times_s, motions in pieces:
         chosen = np.unique(np.append(np.arange(0.0, len(times_s) - 1, every).astype(int), len(times_s) - 1))
@@ -51,7 +60,7 @@ def write_video(model: Model, grasp: GraspTrace | None, handled: Sequence[Handli
             shown[name].append(each[chosen])
     motions = {name: np.concatenate(parts) for name, parts in shown.items()}
     out.parent.mkdir(parents=True, exist_ok=True)
-    pictures = cropped(render_motion(with_gripper(model), motions, out.parent, VIDEO_PX))
+    pictures = cropped(render_motion(with_gripper(model), motions, out.parent, size_px))
     step_ms = 1000.0 * float(np.mean([np.diff(times_s).mean() for times_s, _ in pieces]))
     write_atomically(out, forward_gif(pictures, max(round(every * step_ms), FRAME_MS)))
     return out

@@ -35,7 +35,7 @@ class CommonSuite:
     name = "common"
     varies = False
     roles: frozenset[Role] = frozenset()
-    codes: tuple[str, ...] = ("asset/slope-astray", "asset/settling-unrepeatable")
+    codes = ("asset/slope-astray", "asset/settling-unrepeatable")
 
     def obstacle(self, subject: Subject) -> str:
         """Nothing hinders it."""

@@ -51,7 +51,7 @@ class FixtureSuite:
     name = "fixture"
     varies = False
     roles: frozenset[Role] = frozenset({"fixture", "mechanism", "openable", "turnable", "pressable"})
-    codes: tuple[str, ...] = (
+    codes = (
         "asset/handle-not-taken",
         "asset/handle-astray",
         "asset/handle-not-opened",

@@ -37,7 +37,7 @@ class ManipulatedSuite:
     name = "manipulated"
     varies = True
     roles: frozenset[Role] = frozenset({"manipulated"})
-    codes: tuple[str, ...] = (
+    codes = (
         "asset/handling-no-grasp",
         "asset/handling-pushed",
         "asset/handling-lost",

@@ -109,17 +109,27 @@ class SuiteRun:
 
 
 class Suite(Protocol):
-    """Exercises in simulation what a role promises.
+    """Exercises in simulation what a role promises."""
 
-    roles    that the suite is for; empty: for every object.
-    codes    of the findings that it may give.
-    varies   whether friction and mass matter to it, so that it also runs at other values of them.
-    """
+    @property
+    def name(self) -> str:
+        """One word, as `--suite` takes it."""
+        ...
 
-    name: str
-    roles: frozenset[Role]
-    codes: tuple[str, ...]
-    varies: bool
+    @property
+    def roles(self) -> frozenset[Role]:
+        """Roles that the suite is for; empty: for every object."""
+        ...
+
+    @property
+    def codes(self) -> tuple[str, ...]:
+        """Codes of the findings that it may give."""
+        ...
+
+    @property
+    def varies(self) -> bool:
+        """Whether friction and mass matter to it, so that it also runs at other values of them."""
+        ...
 
     def obstacle(self, subject: Subject) -> str:
         """Why the suite cannot be run on the subject, in words; "" where it can."""
