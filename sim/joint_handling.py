@@ -92,13 +92,13 @@ class HandlingTask:
         return min(max(1.5 * way / HAND_MPS, LEAST_MOVE_S), MOST_MOVE_S)
 
 
-def hand_path(task: HandlingTask, joint: MechanismJoint, position: float) -> FloatArray:
+def hand_path(task: HandlingTask, joint: MechanismJoint, position: float, shift_A: FloatArray) -> FloatArray:
     """(4,) where the mount of the hand is with the joint at `position`: x, y, z from its grip, and the turn about the
-    axis of the joint.
+    axis of the joint. The hand begins `shift_A` (3,) beside the grip.
     """
     carried = carry(joint, task.start, position)
     grip = task.X_AG[:3, 3]
-    moved = carried[:3, :3] @ grip + carried[:3, 3] - grip
+    moved = carried[:3, :3] @ (grip + shift_A) + carried[:3, 3] - grip
     return np.append(moved, position - task.start if joint.is_angular else 0.0)
 
 

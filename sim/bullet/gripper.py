@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pybullet
@@ -12,7 +14,8 @@ from formats.urdf.write import write_urdf
 from geom import pose
 from geom.grasp.gripper import Gripper
 from schemas.arrays import FloatArray
-from sim.gripper_description import HAND, LEFT, MOUNT, RIGHT, UP, describe_gripper
+from schemas.physical_constants import GRAVITY_MPS2
+from sim.gripper_description import HAND, LEFT, LINK_KG, MOUNT, RIGHT, UP, describe_gripper
 
 _GEAR_FORCE_N = 1e4  # of the coupling, which must not give way
 _GROUP, _OTHERS = 2, 1
@@ -50,7 +53,6 @@ class BulletGripper:
         by_name = {info[1].decode(): info[0] for info in infos} | {info[12].decode(): info[0] for info in infos}
         self.left, self.right, self.hand = (by_name[name] for name in (LEFT, RIGHT, HAND))
         self._mount = [by_name[name] for name in MOUNT]
-        self._moving = [info[0] for info in infos if info[2] != pybullet.JOINT_FIXED]
         self._count = len(infos)
         gear = pybullet.createConstraint(
             self.handle, self.left, self.handle, self.right, pybullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0],
@@ -118,14 +120,30 @@ class BulletGripper:
             pybullet.getContactPoints(self.handle, body, link, -1, physicsClientId=self._client) for link in links
         )
 
+    def mount(self) -> FloatArray:
+        """(4,) positions of the mount."""
+        return np.array([state[0] for state in self._mount_states()])
+
     def mount_efforts(self) -> FloatArray:
-        """(4,) efforts of the motors of the mount in the last step beyond those that carry the gripper at rest."""
-        states = [pybullet.getJointState(self.handle, j, physicsClientId=self._client) for j in self._moving]
-        still = [0.0] * len(states)
-        weight = pybullet.calculateInverseDynamics(
-            self.handle, [state[0] for state in states], still, still, physicsClientId=self._client
-        )
-        return np.array([states[k][3] - weight[k] for k in map(self._moving.index, self._mount)])
+        """(4,) efforts of the motors of the mount in the last step."""
+        return np.array([state[3] for state in self._mount_states()])
+
+    def carry_weight(self) -> None:
+        """Take the weight off the gripper for the next step, as an arm does that compensates gravity."""
+        links = range(self._count)
+        states = pybullet.getLinkStates(self.handle, links, physicsClientId=self._client)
+        for link, state in zip(links, states, strict=True):
+            pybullet.applyExternalForce(
+                self.handle,
+                link,
+                [0.0, 0.0, LINK_KG * GRAVITY_MPS2],
+                state[0],
+                pybullet.WORLD_FRAME,
+                physicsClientId=self._client,
+            )
+
+    def _mount_states(self) -> Sequence[Sequence[Any]]:
+        return pybullet.getJointStates(self.handle, self._mount, physicsClientId=self._client)
 
     def set_friction(self, friction: float) -> None:
         """Friction of pads and hand; the engine multiplies it with that of what they touch."""

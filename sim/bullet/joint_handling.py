@@ -19,7 +19,6 @@ from geom.mechanism_pose import joint_positions
 from geom.pose import rotation_about
 from schemas.arrays import FloatArray
 from schemas.mechanism import MechanismJoint
-from schemas.physical_constants import GRAVITY_MPS2
 from sim.bullet.articulation import BuiltArticulation, build
 from sim.bullet.gripper import BulletGripper
 from sim.bullet.joint_motors import drive_followers, hold_joints
@@ -41,6 +40,8 @@ from sim.joint_handling import (
 
 # A lever of 5 g between fingers of 0.5 kg each: with the 100 of the exercise friction stays far below its limit.
 HANDLING_ITERATIONS = 400
+YIELDING = 0.5  # of the force of a pad
+HAND_MPS2 = 2.0  # acceleration of the hand that its motors can give beside its force on the link
 TOUCHING_M = 0.001  # One pad may carry all that moves the joint, while the other follows.
 _MOUNT_LINKS = 7  # that the mount moves at most
 _OBJECT_GROUP, _GRIPPER_GROUP = 1, 2
@@ -97,8 +98,9 @@ class _Handling:
         )
         contact = next(body.contact for body in built.articulation.links if body.name == self._joint.child)
         self._gripper.set_friction(task.friction / math.sqrt(max(contact.dynamic_friction, 1e-6)))
-        strong = task.hand_n * self._scale**3 + _MOUNT_LINKS * LINK_KG * GRAVITY_MPS2
+        strong = task.hand_n * self._scale**3 + _MOUNT_LINKS * LINK_KG * HAND_MPS2
         self._efforts = strong * np.array([1.0, 1.0, 1.0, TURN_LENGTH_M * self._scale])
+        self._shift_A = np.zeros(3)
         self._steps, self._finite, self._seen = 0, True, _Seen()
         self._trace: list[tuple[float, float, FloatArray]] = []
 
@@ -112,6 +114,8 @@ class _Handling:
             self._move_fingers(phase)
             self._step_through(phase, begin_s, seconds)
             begin_s += seconds
+            if phase is HandlingPhase.CLOSE:
+                self._shift_A = self._gripper.mount()[:3] / self._scale
             position = self._built.state(self._joint)[0]
             if phase in (HandlingPhase.APPROACH, HandlingPhase.CLOSE):
                 began = position
@@ -148,12 +152,22 @@ class _Handling:
             share, rate = smooth_step((time_s - begin_s) / seconds, seconds)
             place, ahead = self._hand(phase, share), self._hand(phase, share + _NEXT)
             velocity = (ahead - place) / _NEXT * rate
-            self._gripper.drive(self._model(place), self._model(velocity) / self._root, self._efforts)
+            self._gripper.drive(self._model(place), self._model(velocity) / self._root, self._strength(phase))
+            self._gripper.carry_weight()
             self._step_joint()
             if phase in _MOVING:
                 self._look((ahead - place) / _NEXT)
             if self._task.trace_s is not None and time_s >= len(self._trace) * self._task.trace_s:
                 self._trace.append((time_s, self._built.state(self._joint)[0], self._gripper.boxes()))
+
+    def _strength(self, phase: HandlingPhase) -> FloatArray:
+        """(4,) efforts of the mount. While the pads close it gives way to them, so that both come to lie on a link that
+        does not; the hand then goes on from there.
+        """
+        if phase is not HandlingPhase.CLOSE:
+            return self._efforts
+        yielding = np.minimum(self._efforts, YIELDING * self._task.force_n * self._scale**3)
+        return np.append(yielding[:3], self._efforts[3])
 
     def _step_joint(self) -> None:
         """A step with what resists or drives the joint, and its followers."""
@@ -200,7 +214,7 @@ class _Handling:
         if along is None:
             left = phase in (HandlingPhase.RELEASE, HandlingPhase.RETREAT) and not task.comes_back
             along = 1.0 if left else 0.0
-        place = hand_path(task, joint, task.start + along * (task.end - task.start))
+        place = hand_path(task, joint, task.start + along * (task.end - task.start), self._shift_A)
         away = {HandlingPhase.APPROACH: 1.0 - share, HandlingPhase.RETREAT: share}.get(phase, 0.0)
         z_A = rotation_about(np.asarray(joint.axis), float(place[3])) @ task.X_AG[:3, 2]
         return place - np.append(away * APPROACH_M * z_A, 0.0)
@@ -226,7 +240,7 @@ class _Handling:
         seen.fastest = max(seen.fastest, rate)
 
     def _hand_force(self, tangent: FloatArray) -> float:
-        """Force of the motors of the mount along the path, less the weight of the gripper, where `tangent` (4,) is how
+        """Force of the motors of the mount along the path, where `tangent` (4,) is how
         the mount moves per whole path; model newtons.
         """
         task = self._task
