@@ -110,6 +110,19 @@ def test_a_handle_behind_the_body_is_not_taken(bullet: Simulator, tmp_path: Path
     assert codes(run(covered, tmp_path, bullet, SLIDE_USE)) == {"asset/handle-not-taken"}
 
 
+def test_a_handle_that_an_arm_cannot_reach_is_not_taken(bullet: Simulator, tmp_path: Path) -> None:
+    """A hood on the drawer with room for a hand around the handle, but not for the arm behind it."""
+    hood = GOOD
+    for name, box in {
+        "front": ((0.37, -0.3, 0.0), (0.38, 0.3, 0.31)),
+        "left": ((0.23, -0.3, 0.0), (0.37, -0.29, 0.31)),
+        "right": ((0.23, 0.29, 0.0), (0.37, 0.3, 0.31)),
+        "lid": ((0.23, -0.3, 0.3), (0.38, 0.3, 0.31)),
+    }.items():
+        hood = hood.with_box("drawer", name, box)
+    assert codes(run(hood, tmp_path, bullet, SLIDE_USE)) == {"asset/handle-not-taken"}
+
+
 def test_a_handle_without_collider_is_not_taken(bullet: Simulator, tmp_path: Path) -> None:
     missing = replace(GOOD, without_collider=frozenset({"handle"}))
     bare = HANDLE.model_copy(update={"low_m": (0.18, -0.05, 0.08)})
