@@ -43,7 +43,7 @@ def lifted(rows: int, by_m: float) -> GraspTrace:
     at = [(-0.03, 0.0, 0.12), (0.03, 0.0, 0.12), (0.0, 0.0, 0.2)]
     X_WB = np.stack([np.stack([pose(None, (x, y, z + h)) for x, y, h in at]) for z in heights])
     half_m = np.array([[0.005, 0.01, 0.03], [0.005, 0.01, 0.03], [0.05, 0.03, 0.05]])
-    return GraspTrace(0.05 * np.arange(rows), X_WA, X_WB, half_m)
+    return GraspTrace(np.linspace(0.0, 6.0, rows), X_WA, X_WB, half_m)
 
 
 def test_a_body_that_is_lifted_rises_in_the_picture(tmp_path: Path) -> None:
