@@ -76,7 +76,7 @@ class HandlingTask:
             (HandlingPhase.RELEASE, GRIP_S, self.takes),
             (HandlingPhase.RETREAT, APPROACH_S, True),
         ]
-        return tuple((phase, seconds) for phase, seconds, wanted in steps if wanted)
+        return tuple((phase, seconds) for phase, seconds, takes_part in steps if takes_part)
 
     def arm_m(self, joint: MechanismJoint) -> float:
         """From the axis of a turning joint to the grip, at least `TURN_LENGTH_M`."""

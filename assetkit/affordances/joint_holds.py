@@ -36,7 +36,7 @@ CLEAR_M = 0.001  # between fingers that are to push and what they push
 AGAINST = 0.7  # least cosine between the push and the inward normal: within the friction of rubber
 PUSH_PLACES = 12  # that are tried on the region
 SIDES = 8  # directions around the normal in which fingers may lie against it
-ARM_M = (0.06, 0.06, 0.4)  # box behind the hand: a slim wrist and forearm
+FOREARM_M = (0.06, 0.06, 0.4)  # box behind the hand: a slim wrist and forearm
 PAD_SAFETY, LEAST_PAD_N, LEAST_PAD_ARM_M = 3.0, 10.0, 0.005
 _UP = np.array([0.0, 0.0, 1.0])
 _TOKEN_KG = 1e-3  # mass of the handle alone: a hand that turns a door does not carry it
@@ -239,8 +239,8 @@ def _best(holds: list[Hold]) -> list[Hold]:
 def _with_arm(X_GB: FloatArray, half_m: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Boxes (k, 4, 4, 4) of fingers, hand and the arm behind it, which no closed door can have inside."""
     X_arm = X_GB[:, 2:3].copy()
-    X_arm[..., 2, 3] -= half_m[:, 2:3, 2] + 0.5 * ARM_M[2]
-    arm = np.broadcast_to(0.5 * np.array(ARM_M), (len(half_m), 1, 3))
+    X_arm[..., 2, 3] -= half_m[:, 2:3, 2] + 0.5 * FOREARM_M[2]
+    arm = np.broadcast_to(0.5 * np.array(FOREARM_M), (len(half_m), 1, 3))
     return np.concatenate([X_GB, X_arm], axis=1), np.concatenate([half_m, arm], axis=1)
 
 
@@ -255,13 +255,13 @@ def _clear(union: ConvexUnion, X_AB: FloatArray, half_m: FloatArray) -> BoolArra
 def _against(point: FloatArray, normal: FloatArray, gripper: Gripper) -> FloatArray:
     """(k, 4, 4) closed fingers before a point of a surface: tips first, turned four ways, or with a side of theirs."""
     R_AN = shortest_rotation(_UP, normal)
-    found: list[FloatArray] = []
+    poses: list[FloatArray] = []
     for turn in np.pi / 4.0 * np.arange(4):
         x = R_AN @ np.array([math.cos(turn), math.sin(turn), 0.0])
         away = 0.5 * gripper.pad_m[1] + CLEAR_M
-        found.append(pose(np.column_stack([x, np.cross(-normal, x), -normal]), point + away * normal))
+        poses.append(pose(np.column_stack([x, np.cross(-normal, x), -normal]), point + away * normal))
     for turn in 2.0 * np.pi / SIDES * np.arange(SIDES):
         z = R_AN @ np.array([math.cos(turn), math.sin(turn), 0.0])
         away = 0.5 * gripper.pad_m[0] + CLEAR_M
-        found.append(pose(np.column_stack([np.cross(normal, z), normal, z]), point + away * normal))
-    return np.array(found)
+        poses.append(pose(np.column_stack([np.cross(normal, z), normal, z]), point + away * normal))
+    return np.array(poses)

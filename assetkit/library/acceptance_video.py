@@ -26,7 +26,7 @@ from sim.grasp_trial import GraspTrace
 from sim.joint_handling import HandlingTrace
 
 VIDEO_PX, MOST_FRAMES = 600, 60  # before empty margins are cut off
-FRAME_MS = 80  # at least: faster and viewers of GIFs stumble
+LEAST_FRAME_MS = 80  # at least: faster and viewers of GIFs stumble
 _EMPTY_STEP, _MARGIN_PX = 40, 12  # of 255 from the corner of the pictures: not even a soft shadow; around what moves
 BOXES = ("gripper left finger", "gripper right finger", "gripper hand")
 _FINGER, _HAND = (0.80, 0.30, 0.05), (0.12, 0.14, 0.17)  # linear RGB
@@ -62,7 +62,7 @@ def write_video(
     out.parent.mkdir(parents=True, exist_ok=True)
     pictures = cropped(render_motion(with_gripper(model), motions, out.parent, size_px))
     step_ms = 1000.0 * float(np.mean([np.diff(times_s).mean() for times_s, _ in pieces]))
-    write_atomically(out, forward_gif(pictures, max(round(every * step_ms), FRAME_MS)))
+    write_atomically(out, forward_gif(pictures, max(round(every * step_ms), LEAST_FRAME_MS)))
     return out
 
 

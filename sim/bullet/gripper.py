@@ -36,7 +36,7 @@ class BulletGripper:
         scale: float,
         turn_axis_W: FloatArray = UP,
     ) -> None:
-        self._client = client
+        self._client, self._link_kg = client, LINK_KG
         description = describe_gripper(gripper, opening_m, X_WG[:3, :3], scale, turn_axis_W)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "gripper.urdf"
@@ -128,6 +128,19 @@ class BulletGripper:
         """(4,) efforts of the motors of the mount in the last step."""
         return np.array([state[3] for state in self._mount_states()])
 
+    def scale_mass(self, factor: float) -> None:
+        """Mass and inertia of every link, `factor` times those of the description."""
+        self._link_kg = factor * LINK_KG
+        for link in range(self._count):
+            moments = pybullet.getDynamicsInfo(self.handle, link, physicsClientId=self._client)[2]
+            pybullet.changeDynamics(
+                self.handle,
+                link,
+                mass=self._link_kg,
+                localInertiaDiagonal=[factor * moment for moment in moments],
+                physicsClientId=self._client,
+            )
+
     def carry_weight(self) -> None:
         """Take the weight off the gripper for the next step, as an arm does that compensates gravity."""
         links = range(self._count)
@@ -136,7 +149,7 @@ class BulletGripper:
             pybullet.applyExternalForce(
                 self.handle,
                 link,
-                [0.0, 0.0, LINK_KG * GRAVITY_MPS2],
+                [0.0, 0.0, self._link_kg * GRAVITY_MPS2],
                 state[0],
                 pybullet.WORLD_FRAME,
                 physicsClientId=self._client,

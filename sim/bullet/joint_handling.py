@@ -96,9 +96,10 @@ class _Handling:
             self._scale,
             np.asarray(self._joint.axis),
         )
+        self._gripper.scale_mass(self._scale**3)
         contact = next(body.contact for body in built.articulation.links if body.name == self._joint.child)
         self._gripper.set_friction(task.friction / math.sqrt(max(contact.dynamic_friction, 1e-6)))
-        strong = task.hand_n * self._scale**3 + _MOUNT_LINKS * LINK_KG * HAND_MPS2
+        strong = (task.hand_n + _MOUNT_LINKS * LINK_KG * HAND_MPS2) * self._scale**3
         self._efforts = strong * np.array([1.0, 1.0, 1.0, TURN_LENGTH_M * self._scale])
         self._shift_A = np.zeros(3)
         self._steps, self._finite, self._seen = 0, True, _Seen()

@@ -76,7 +76,7 @@ class FixtureSuite:
         runs = [_handle(one, articulation, where, simulator, conditions) for one in _contacted(subject)]
         return SuiteRun(
             tuple(check for run in runs for check in run.checks),
-            tuple(found for run in runs for found in run.findings),
+            tuple(finding for run in runs for finding in run.findings),
             handled=tuple(trace for run in runs for trace in run.handled),
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,8 +24,12 @@ TASK = HandlingTask("slide", 0.0, 0.2, X_AG, 0.03, True, True, force_n=70.0, han
 
 @pytest.fixture(scope="module")
 def cabinet(tmp_path_factory: pytest.TempPathFactory) -> Articulation:
-    content = DrawnCabinet().content()
-    read = reread_package(write_package(content, tmp_path_factory.mktemp("package") / content.asset_id))
+    return articulation(DrawnCabinet(), tmp_path_factory.mktemp("package"))
+
+
+def articulation(drawn: DrawnCabinet, folder: Path) -> Articulation:
+    content = drawn.content()
+    read = reread_package(write_package(content, folder / content.asset_id))
     assert read.mechanism is not None
     return Articulation(read.mechanism, read.links, read.filtered_pairs)
 
@@ -54,6 +59,16 @@ def test_damping_is_felt_by_the_speed_of_the_hand(cabinet: Articulation) -> None
     free = handle_joint(with_slide(cabinet, damping=0.0), TASK)
     damped = handle_joint(with_slide(cabinet, damping=100.0), TASK)
     assert damped.force_n - free.force_n == pytest.approx(100.0 * fastest_mps, abs=6.0)
+
+
+def test_a_model_of_a_large_object_gives_true_forces_and_ways(tmp_path: Path) -> None:
+    """On a wall of 9 m the cabinet is simulated at half its size: ways and forces stay those of the true one."""
+    wall = DrawnCabinet().with_box("cabinet", "wall", ((-0.25, -4.5, 0.0), (-0.21, 4.5, 3.0)))
+    large = articulation(wall, tmp_path)
+    held = handle_joint(with_slide(large, friction=40.0, damping=0.0, stiffness=50.0), TASK)
+    assert held.reached == pytest.approx(0.2, abs=0.003)
+    assert held.back == pytest.approx(0.0, abs=0.003)
+    assert held.force_n == pytest.approx(40.0 + 50.0 * 0.2, abs=9.0)
 
 
 def test_pads_slip_where_friction_does_not_carry(cabinet: Articulation) -> None:

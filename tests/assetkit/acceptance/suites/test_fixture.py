@@ -68,9 +68,9 @@ def subject(cabinet: DrawnCabinet, folder: Path, *uses: JointUse) -> Subject:
 
 
 def run(cabinet: DrawnCabinet, folder: Path, simulator: Simulator, *uses: JointUse) -> SuiteRun:
-    made = subject(cabinet, folder, *uses)
-    assert SUITE.obstacle(made) == ""
-    return SUITE.run(made, simulator, NOMINAL)
+    written = subject(cabinet, folder, *uses)
+    assert SUITE.obstacle(written) == ""
+    return SUITE.run(written, simulator, NOMINAL)
 
 
 def codes(result: SuiteRun) -> set[str]:
