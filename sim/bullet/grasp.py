@@ -55,7 +55,7 @@ class _Trial:
         self._body = self._place_body(body, X_WA)
         X_WG = X_WA @ task.X_AG
         self._R_WG = X_WG[:3, :3]
-        self._gripper = BulletGripper(client, task.gripper, task.opening_m, scaled(X_WG, self._scale), self._scale)
+        self._gripper = BulletGripper(client, task, scaled(X_WG, self._scale), self._scale)
         self._weight_n = (body.mass.mass_kg * self._scale**3 + _LINKS * LINK_KG) * GRAVITY_MPS2
         self._trace: list[tuple[float, FloatArray, FloatArray]] = []
 
@@ -102,7 +102,7 @@ class _Trial:
             self._steps += 1
             time_s = self._steps * task.step_s / self._root
             place, rate = task.motion.at(time_s - REST_S, self._R_WG)
-            gripper.drive(self._model(place), self._model(rate) / self._root, np.full(4, strong))
+            gripper.drive(self._model(place), self._model(rate) / self._root, strong)
             pybullet.stepSimulation(physicsClientId=self._client)
             if task.trace_s is not None and time_s >= len(self._trace) * task.trace_s:
                 self._trace.append((time_s, self._pose(), gripper.boxes()))

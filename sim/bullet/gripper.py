@@ -12,10 +12,11 @@ import pybullet
 
 from formats.urdf.write import write_urdf
 from geom import pose
-from geom.grasp.gripper import Gripper
 from schemas.arrays import FloatArray
 from schemas.physical_constants import GRAVITY_MPS2
+from sim.grasp_trial import GraspTask
 from sim.gripper_description import HAND, LEFT, LINK_KG, MOUNT, RIGHT, UP, describe_gripper
+from sim.joint_handling import HandlingTask
 
 _GEAR_FORCE_N = 1e4  # of the coupling, which must not give way
 _GROUP, _OTHERS = 2, 1
@@ -24,20 +25,19 @@ _GROUP, _OTHERS = 2, 1
 class BulletGripper:
     """A gripper with its grip centre at X_WG (4, 4), lengths of the model, `scale` times as large as its true size.
 
-    It is opened by `opening_m`, at true size; its mount turns about `turn_axis_W` (3,).
+    It is that of the task, opened as far; its mount turns about `turn_axis_W` (3,).
     """
 
     def __init__(
         self,
         client: int,
-        gripper: Gripper,
-        opening_m: float,
+        task: GraspTask | HandlingTask,
         X_WG: FloatArray,
         scale: float,
         turn_axis_W: FloatArray = UP,
     ) -> None:
         self._client, self._link_kg = client, LINK_KG
-        description = describe_gripper(gripper, opening_m, X_WG[:3, :3], scale, turn_axis_W)
+        description = describe_gripper(task.gripper, task.opening_m, X_WG[:3, :3], scale, turn_axis_W)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "gripper.urdf"
             file.write_bytes(write_urdf(description).data)
@@ -74,15 +74,15 @@ class BulletGripper:
         for joint, position in zip(self._mount, mount.tolist(), strict=True):
             pybullet.resetJointState(self.handle, joint, position, 0.0, physicsClientId=self._client)
 
-    def drive(self, mount: FloatArray, rate: FloatArray, efforts: FloatArray) -> None:
-        """Motors of the mount towards positions (4,) at rates (4,), with efforts (4,) at most."""
+    def drive(self, mount: FloatArray, rate: FloatArray, efforts: float | FloatArray) -> None:
+        """Motors of the mount towards positions (4,) at rates (4,), with efforts (4,) at most, or one for all."""
         pybullet.setJointMotorControlArray(
             self.handle,
             self._mount,
             pybullet.POSITION_CONTROL,
             targetPositions=mount.tolist(),
             targetVelocities=rate.tolist(),
-            forces=efforts.tolist(),
+            forces=np.broadcast_to(efforts, 4).tolist(),
             positionGains=[0.3] * 4,
             velocityGains=[1.0] * 4,
             physicsClientId=self._client,

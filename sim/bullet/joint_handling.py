@@ -90,8 +90,7 @@ class _Handling:
             )
         self._gripper = BulletGripper(
             self._client,
-            task.gripper,
-            task.opening_m,
+            task,
             scaled(task.X_AG, self._scale),
             self._scale,
             np.asarray(self._joint.axis),
