@@ -74,6 +74,49 @@ class BulletGripper:
         for joint, position in zip(self._mount, mount.tolist(), strict=True):
             pybullet.resetJointState(self.handle, joint, position, 0.0, physicsClientId=self._client)
 
+    def mount(self) -> FloatArray:
+        """(4,) positions of the mount."""
+        return np.array([state[0] for state in self._mount_states()])
+
+    def mount_efforts(self) -> FloatArray:
+        """(4,) efforts of the motors of the mount in the last step."""
+        return np.array([state[3] for state in self._mount_states()])
+
+    def scale_mass(self, factor: float) -> None:
+        """Mass and inertia of every link, `factor` times those of the description."""
+        self._link_kg = factor * LINK_KG
+        for link in range(self._count):
+            moments = pybullet.getDynamicsInfo(self.handle, link, physicsClientId=self._client)[2]
+            pybullet.changeDynamics(
+                self.handle,
+                link,
+                mass=self._link_kg,
+                localInertiaDiagonal=[factor * moment for moment in moments],
+                physicsClientId=self._client,
+            )
+
+    def carry_weight(self) -> None:
+        """Take the weight off the gripper for the next step, as an arm does that compensates gravity."""
+        links = range(self._count)
+        states = pybullet.getLinkStates(self.handle, links, physicsClientId=self._client)
+        for link, state in zip(links, states, strict=True):
+            pybullet.applyExternalForce(
+                self.handle,
+                link,
+                [0.0, 0.0, self._link_kg * GRAVITY_MPS2],
+                state[0],
+                pybullet.WORLD_FRAME,
+                physicsClientId=self._client,
+            )
+
+    def _mount_states(self) -> Sequence[Sequence[Any]]:
+        return pybullet.getJointStates(self.handle, self._mount, physicsClientId=self._client)
+
+    def set_friction(self, friction: float) -> None:
+        """Friction of pads and hand; the engine multiplies it with that of what they touch."""
+        for link in range(self._count):
+            pybullet.changeDynamics(self.handle, link, lateralFriction=friction, physicsClientId=self._client)
+
     def drive(self, mount: FloatArray, rate: FloatArray, efforts: float | FloatArray) -> None:
         """Motors of the mount towards positions (4,) at rates (4,), with efforts (4,) at most, or one for all."""
         pybullet.setJointMotorControlArray(
@@ -119,46 +162,3 @@ class BulletGripper:
         return all(
             pybullet.getContactPoints(self.handle, body, link, -1, physicsClientId=self._client) for link in links
         )
-
-    def mount(self) -> FloatArray:
-        """(4,) positions of the mount."""
-        return np.array([state[0] for state in self._mount_states()])
-
-    def mount_efforts(self) -> FloatArray:
-        """(4,) efforts of the motors of the mount in the last step."""
-        return np.array([state[3] for state in self._mount_states()])
-
-    def scale_mass(self, factor: float) -> None:
-        """Mass and inertia of every link, `factor` times those of the description."""
-        self._link_kg = factor * LINK_KG
-        for link in range(self._count):
-            moments = pybullet.getDynamicsInfo(self.handle, link, physicsClientId=self._client)[2]
-            pybullet.changeDynamics(
-                self.handle,
-                link,
-                mass=self._link_kg,
-                localInertiaDiagonal=[factor * moment for moment in moments],
-                physicsClientId=self._client,
-            )
-
-    def carry_weight(self) -> None:
-        """Take the weight off the gripper for the next step, as an arm does that compensates gravity."""
-        links = range(self._count)
-        states = pybullet.getLinkStates(self.handle, links, physicsClientId=self._client)
-        for link, state in zip(links, states, strict=True):
-            pybullet.applyExternalForce(
-                self.handle,
-                link,
-                [0.0, 0.0, self._link_kg * GRAVITY_MPS2],
-                state[0],
-                pybullet.WORLD_FRAME,
-                physicsClientId=self._client,
-            )
-
-    def _mount_states(self) -> Sequence[Sequence[Any]]:
-        return pybullet.getJointStates(self.handle, self._mount, physicsClientId=self._client)
-
-    def set_friction(self, friction: float) -> None:
-        """Friction of pads and hand; the engine multiplies it with that of what they touch."""
-        for link in range(self._count):
-            pybullet.changeDynamics(self.handle, link, lateralFriction=friction, physicsClientId=self._client)
