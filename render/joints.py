@@ -1,5 +1,4 @@
-"""Pictures of an articulated object at joint positions, through one camera: the strip of a package, frames of an
-animation.
+"""Pictures of an object in motion, through one camera: the strip of a package, frames of an animation.
 
 The camera is that of the hero view around the box that holds the object at all positions, or the same from the corner
 where the motion is seen best; the floor lies below all.
@@ -20,7 +19,7 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkRenderer, vtkRenderWindow
 from geom.mechanism_pose import link_motions, movable_joints, opened
 from geom.pose import apply, pose
 from render.camera import HERO_VIEW, AnnotationFrame, CameraView, camera, frame_around, used_points
-from render.joints_request import JointsRequest
+from render.motion_request import MotionRequest
 from render.ready_studio import take_studio
 from render.studio import BACKGROUND_SRGB, floor
 from render.surface_samples import surface_samples
@@ -38,15 +37,15 @@ _FAR_MORE = 1.3  # The strip looks like the other pictures where it can.
 _LABEL_SRGB, _LABEL_PX, _LABEL_AT = (30, 34, 40), 18, (14, 10)
 
 
-def draw_joints(request: JointsRequest) -> list[Path]:
+def draw_motion(request: MotionRequest) -> list[Path]:
     """Write the pictures of `request`, in order. Raises NoOpenGL when the system has no software OpenGL."""
     folder = Path(request.out_dir)
     folder.mkdir(parents=True, exist_ok=True)
     window, renderer = take_studio()
     paths = []
-    for index, picture in enumerate(
-        posed_pictures(request.model, request.positions, window, renderer, request.size_px)
-    ):
+    count = min((len(each) for each in request.motions.values()), default=0)
+    motions = [{link: each[k] for link, each in request.motions.items()} for k in range(count)]
+    for index, picture in enumerate(moved_pictures(request.model, motions, window, renderer, request.size_px)):
         paths.append(folder / f"{index:03d}.png")
         save_png(picture, paths[-1])
     return paths
@@ -78,6 +77,17 @@ def posed_pictures(
     if model.mechanism is None:
         raise ValueError("the model has no mechanism")
     motions = [link_motions(model.mechanism, given) for given in positions]
+    yield from moved_pictures(model, motions, window, renderer, size_px)
+
+
+def moved_pictures(
+    model: Model,
+    motions: Sequence[Mapping[str, FloatArray]],
+    window: vtkRenderWindow,
+    renderer: vtkRenderer,
+    size_px: int,
+) -> Iterator[Image.Image]:
+    """One picture for each of `motions` (at least one): (4, 4) of the asset frame by the name of a link."""
     scene = _PosedScene(model, swept_frame(model, motions), window, renderer)
     view = _telling_view(scene, [motions[0], motions[len(motions) // 2], motions[-1]])
     for motion in motions:

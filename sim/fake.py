@@ -15,6 +15,7 @@ from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, RigidBody
 from sim.grasp_trial import GraspOutcome, GraspTask, Landing, Phase
 from sim.joint_exercise import Articulation, ArticulationExercise, JointExercise, JointRun, JointTask, reach_of
+from sim.joint_handling import HandlingOutcome, HandlingTask
 from sim.loading import LoadOutcome, LoadTask
 from sim.port import DropResult, DropSettings, ProbeResult, World
 
@@ -94,6 +95,15 @@ class FakeSimulator:
             runs = tuple(JointRun(kind, pace, low, high, 0.0, 0.0, 1.0, None, 0.0, True) for kind, pace in task.runs)
             exercises.append(JointExercise(task.joint, (low, high), joints[task.joint].axis, runs, ()))
         return ArticulationExercise(tuple(exercises), ())
+
+    def handle_joint(self, articulation: Articulation, task: HandlingTask) -> HandlingOutcome:
+        """See `sim.port.Simulator`: the joint follows the hand exactly, as far as it can move."""
+        mechanism = articulation.mechanism
+        low, high = reach_of(mechanism, next(j for j in mechanism.tree if j.name == task.joint))
+        reached = min(max(task.end, low), high)
+        return HandlingOutcome(
+            task.start, reached, task.start if task.comes_back else reached, 1.0, 0.0, 1.0, finite=True
+        )
 
     def drop_probes(
         self, fixed: Sequence[CollisionShape], probes: Sequence[CollisionShape], duration_s: float

@@ -1,10 +1,10 @@
 """A parallel-jaw gripper on its mount as a robot description, which `formats.urdf` writes and every engine loads.
 
-The mount is three slides along the axes of the world and a turn about the vertical through the grip centre, with a
-wrist that turns about the closing axis there for motions that need it, so that the motion of the hand is prescribed and
-its contacts are not. Two fingers slide in the hand; the right one mimics the
-left, for without that both drift to one side with the body between them. All joints are at 0 where the hand is at its
-grasp and the pads are at their opening before they close; fingers close towards positive positions.
+The mount is three slides along the axes of the world and a turn about an axis through the grip centre, the vertical
+unless another is given, with a wrist that turns about the closing axis there for motions that need it, so that the
+motion of the hand is prescribed and its contacts are not. Two fingers slide in the hand; the right one mimics the left,
+for without that both drift to one side with the body between them. All joints are at 0 where the hand is at its grasp
+and the pads are at their opening before they close; fingers close towards positive positions.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ LEFT, RIGHT, HAND = "left_finger", "right_finger", "hand"
 LINK_KG = 0.5  # each link: a hand of the size of the Franka Hand weighs 0.73 kg
 _MOUNT_RADIUS_M = 0.05  # of the ball whose inertia a link of the mount has
 _TRAVEL_M = 10.0  # of the mount
-_AXES = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]])
+UP = np.array([0.0, 0.0, 1.0])
 
 
 def mount_joints(turns_wrist: bool) -> tuple[str, ...]:
@@ -38,9 +38,17 @@ def mount_joints(turns_wrist: bool) -> tuple[str, ...]:
 
 
 def describe_gripper(
-    gripper: Gripper, opening_m: float, R_WG: FloatArray, scale: float = 1.0, *, turns_wrist: bool = False
+    gripper: Gripper,
+    opening_m: float,
+    R_WG: FloatArray,
+    scale: float = 1.0,
+    turn_axis_W: FloatArray = UP,
+    *,
+    turns_wrist: bool = False,
 ) -> RobotDescription:
     """The gripper, opened by `opening_m`, with its grip centre at the origin of the base and turned by R_WG (3, 3).
+
+    The turn of its mount is about `turn_axis_W` (3,), a unit vector.
 
     All lengths are `scale` times their true size, forces scale^3 (`sim.port.model_scale`).
     """
@@ -49,7 +57,7 @@ def describe_gripper(
     X_mount_hand = pose(R_WG, R_WG @ hand)
     links = [DescribedLink("base", inertial=_ball(scale), inertia_source="declared")]
     joints: list[DescribedJoint] = []
-    for name, axis in zip(mount_joints(False), _AXES, strict=True):
+    for name, axis in zip(mount_joints(False), np.vstack([np.eye(3), turn_axis_W]), strict=True):
         links.append(DescribedLink(f"{name}_link", inertial=_ball(scale), inertia_source="declared"))
         limits = None if name == "mount_turn" else JointLimits(-_TRAVEL_M * scale, _TRAVEL_M * scale)
         kind = "continuous" if name == "mount_turn" else "prismatic"

@@ -17,6 +17,7 @@ from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 from sim.grasp_trial import GraspOutcome, GraspTask
 from sim.joint_exercise import Articulation, ArticulationExercise, JointTask
+from sim.joint_handling import HandlingOutcome, HandlingTask
 from sim.loading import LoadOutcome, LoadTask
 
 ROLLING_RESISTANCE = 0.003  # of the size, see `world_for`
@@ -166,6 +167,10 @@ class Simulator(Protocol):
         that follow it move with it, and joints that close a loop are left out. Overlaps of links are measured at rest
         and along the range. With a probe in its link the joint is moved to its far end once more, slowly.
         """
+        ...
+
+    def handle_joint(self, articulation: Articulation, task: HandlingTask) -> HandlingOutcome:
+        """A gripper takes or pushes a link of an articulated object, whose base is fixed, along the path of a joint."""
         ...
 
 

@@ -19,7 +19,7 @@ from schemas.affordances import Grasp
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.asset import StablePose, vec3
 from schemas.physical_constants import GRAVITY_MPS2
-from schemas.physics import Contact, RigidBody
+from schemas.physics import CollisionShape, Contact, RigidBody
 from sim.port import pair_value
 
 MOST = 16
@@ -50,13 +50,19 @@ def pad_friction(contact: Contact) -> float:
     return pair_value(contact.dynamic_friction, PAD.dynamic_friction, contact.combine)
 
 
-def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Gripper = Gripper()) -> GraspProposals:
+def propose_grasps(
+    body: RigidBody,
+    poses: Sequence[StablePose],
+    gripper: Gripper = Gripper(),
+    obstacles: Sequence[CollisionShape] = (),
+) -> GraspProposals:
     """Up to 16 grasps with places and approaches spread over the body.
 
-    Each lies in the friction cones, keeps fingers and hand clear of the body and, in at least one of the stable `poses`
-    (the reference pose when there are none), of the ground. Quality is the product of the share of the friction cone
-    that is left, of how near the mass centre is, of the share of the pads that touches, and of the share of the force
-    that is left, to the fourth root; it loses up to half for the chance of poses in which the grasp is not free.
+    Each lies in the friction cones, keeps fingers and hand clear of the body, of `obstacles` in the same frame, and, in
+    at least one of the stable `poses` (the reference pose when there are none), of the ground. Quality is the product
+    of the share of the friction cone that is left, of how near the mass centre is, of the share of the pads that
+    touches, and of the share of the force that is left, to the fourth root; it loses up to half for the chance of poses
+    in which the grasp is not free.
     """
     friction = pad_friction(body.contact)
     cone_rad = math.atan(friction)
@@ -81,6 +87,10 @@ def propose_grasps(body: RigidBody, poses: Sequence[StablePose], gripper: Grippe
     free = np.ones(len(X_AG), dtype=bool)
     for b in range(3):
         free[free] = union.box_clear(X_AB[free, b], half[free, b])
+    if obstacles:
+        around = ConvexUnion(obstacles)
+        for b in range(3):
+            free[free] = around.box_clear(X_AB[free, b], half[free, b])
     over = _over_ground(X_AB, half, poses)
     free &= over.any(axis=1)
     if not free.any():

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from assetkit.acceptance.joints.judge_joints import judge_joints
 from assetkit.acceptance.judge_body import accept
-from assetkit.acceptance.suites.run import run_suite, suites_for
+from assetkit.acceptance.suites.run import SuiteResult, run_suite, suites_for
 from assetkit.acceptance.suites.subject import record_of, subject_on_disk
 from assetkit.acceptance.suites.suite import Subject, at_most
 from assetkit.acceptance.suites.table import SUITES
@@ -44,7 +45,20 @@ def accept_package(request: AcceptanceRequest) -> AcceptanceReport:
     results = [run_suite(suite, subject, simulator, thorough=request.thorough) for suite in chosen]
     sections += [result.section for result in results]
     findings += [finding for result in results for finding in result.findings]
-    return AcceptanceReport(roles=subject.roles, suites=tuple(sections), findings=tuple(findings))
+    video = _filmed(subject, results, Path(request.video)) if request.video else ""
+    return AcceptanceReport(roles=subject.roles, suites=tuple(sections), findings=tuple(findings), video=video)
+
+
+def _filmed(subject: Subject, results: Sequence[SuiteResult], out: Path) -> str:
+    """The GIF of the motions of the suites, the path of it as text; "" where nothing moved."""
+    from assetkit.library.acceptance_video import write_video
+    from assetkit.library.drawn_package import drawn_package
+
+    runs = [result.nominal for result in results if result.nominal is not None]
+    grasp = next((run.trace for run in runs if run.trace is not None), None)
+    handled = [trace for run in runs for trace in run.handled]
+    written = write_video(drawn_package(subject.main_file, subject.content), grasp, handled, out)
+    return "" if written is None else str(written)
 
 
 def _static(subject: Subject, simulator: Simulator) -> tuple[SuiteSection, tuple[Diagnostic, ...]]:

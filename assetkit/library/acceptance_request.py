@@ -22,6 +22,7 @@ class AcceptanceRequest(_Model):
     suites    by name; empty: those of the roles.
     roles     in place of those on record; of a package without a record of Mana, its roles.
     thorough  also at other steps, and at the ends of the bounds of friction and mass.
+    video     where to write a GIF of what the suites did; "" for none.
     """
 
     main_file: str
@@ -29,14 +30,16 @@ class AcceptanceRequest(_Model):
     suites: tuple[str, ...] = ()
     roles: tuple[Role, ...] = ()
     thorough: bool = True
+    video: str = ""
 
 
 class AcceptanceReport(_Model):
-    """What the suites found on one package."""
+    """What the suites found on one package; `video` is the GIF that was written, "" where nothing moved."""
 
     roles: tuple[Role, ...] = ()
     suites: tuple[SuiteSection, ...] = ()
     findings: tuple[Diagnostic, ...] = ()
+    video: str = ""
 
     @property
     def passed(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -37,14 +37,28 @@ def animate_joints(model: Model, out: Path, frames: int, names: Sequence[str], s
 
 
 def looped_gif(pictures: Sequence[bytes]) -> bytes:
-    """A GIF that shows PNG `pictures` forward and back without end; one palette, so that nothing flickers."""
-    there = [Image.open(io.BytesIO(data)).convert("RGB") for data in pictures]
+    """A GIF that shows PNG `pictures` forward and back without end."""
+    there = _opened(pictures)
+    return _gif([*there, *there[-2:0:-1]], {0, len(there) - 1}, _FRAME_MS)
+
+
+def forward_gif(pictures: Sequence[bytes], frame_ms: int) -> bytes:
+    """A GIF that shows PNG `pictures` forward without end, and waits at the last one."""
+    there = _opened(pictures)
+    return _gif(there, {len(there) - 1}, frame_ms)
+
+
+def _opened(pictures: Sequence[bytes]) -> list[Image.Image]:
+    return [Image.open(io.BytesIO(data)).convert("RGB") for data in pictures]
+
+
+def _gif(there: Sequence[Image.Image], waits: Collection[int], frame_ms: int) -> bytes:
+    """Pictures in order, each for `frame_ms`, those that wait for longer; one palette, so that nothing flickers."""
     sample = np.linspace(0, len(there) - 1, min(_PALETTE_FRAMES, len(there))).round().astype(int)
     montage = Image.fromarray(np.concatenate([np.asarray(there[k]) for k in sample]))
     palette = montage.quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     images = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in there]
-    images += images[-2:0:-1]
-    durations_ms = [_END_MS if k in (0, len(there) - 1) else _FRAME_MS for k in range(len(images))]
+    durations_ms = [_END_MS if k in waits else frame_ms for k in range(len(images))]
     file = io.BytesIO()
     images[0].save(file, "GIF", save_all=True, append_images=images[1:], duration=durations_ms, loop=0, optimize=False)
     return file.getvalue()

@@ -13,18 +13,20 @@ from typing import TypeVar
 import numpy as np
 
 from assetkit.storage import require_storage
+from geom.mechanism_pose import link_motions
 from jobs.cell import Limits
 from jobs.warm import run_module
 from render.drawn_grasp import DrawnGrasp
-from render.joints_request import JointsRequest
+from render.motion_request import MotionRequest
 from render.request import RenderRequest
-from schemas.arrays import IntArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.files import array_files
 from schemas.model import Model
 from schemas.parts import Part
 from schemas.physics import CollisionShape
 
 T = TypeVar("T")
+MOTION_PX = 512
 LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
 
@@ -56,9 +58,22 @@ def render_joints(model: Model, positions: Sequence[Mapping[str, float]], work_d
 
     Raises as `render_previews`.
     """
+    if model.mechanism is None:
+        raise ValueError("the model has no mechanism")
+    poses = [link_motions(model.mechanism, given) for given in positions]
+    return render_motion(model, {name: np.stack([each[name] for each in poses]) for name in poses[0]}, work_dir)
+
+
+def render_motion(
+    model: Model, motions: Mapping[str, FloatArray], work_dir: Path, size_px: int = MOTION_PX
+) -> list[bytes]:
+    """PNG bytes of a canonical model, one picture for each of the motions (k, 4, 4) by the name of a link.
+
+    Raises as `render_previews`.
+    """
     with tempfile.TemporaryDirectory(dir=work_dir) as place:
-        request = JointsRequest(model, tuple(dict(given) for given in positions), place)
-        return [p.read_bytes() for p in _drawn(request, JointsRequest, "render.joints_worker", Path(place))]
+        request = MotionRequest(model, dict(motions), place, size_px)
+        return [p.read_bytes() for p in _drawn(request, MotionRequest, "render.motion_worker", Path(place))]
 
 
 def _drawn(request: T, kind: type[T], module: str, place: Path) -> list[Path]:

@@ -29,6 +29,9 @@ def accept_command(
     quick: Annotated[
         bool, typer.Option("--quick", help="At the values of the package only, not at the ends of their bounds.")
     ] = False,
+    video: Annotated[
+        Path | None, typer.Option(help="Write a GIF of the gripper at work; for one package.", dir_okay=False)
+    ] = None,
     timeout: Annotated[float, typer.Option(help="Seconds one package may take.")] = 300.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")] = False,
 ) -> None:
@@ -41,6 +44,7 @@ def accept_command(
     bounds. Exit code 1 when a suite failed, 2 when nothing could be run.
 
     Examples: `mana assets accept library/mug`, `mana assets accept library --quick --json`,
+    `mana assets accept library/microwave --video door.gif`,
     `mana assets accept other/crate.usd --role manipulated --role receptacle`
     """
     from assetkit.acceptance.suites.table import SUITES  # Loads USD, which most commands do not need.
@@ -57,10 +61,17 @@ def accept_command(
     files = main_usd_files(path)
     if not files:
         raise FileNotFoundError(f"no USD file in {path}")
+    if video is not None and len(files) > 1:
+        raise typer.BadParameter(f"{path} has {len(files)} packages; a video shows one", param_hint="--video")
     roles = cast(tuple[Role, ...], tuple(role or ()))
     requests = [
         AcceptanceRequest(
-            main_file=str(file.absolute()), engine=SIMULATOR, suites=tuple(suite or ()), roles=roles, thorough=not quick
+            main_file=str(file.absolute()),
+            engine=SIMULATOR,
+            suites=tuple(suite or ()),
+            roles=roles,
+            thorough=not quick,
+            video="" if video is None else str(video.absolute()),
         )
         for file in files
     ]
@@ -68,13 +79,13 @@ def accept_command(
     for file, report in accept_files(requests, limits=Limits(seconds=timeout)):
         reports[str(file)] = report
         if not as_json:
-            _show(file, report)
+            _show(file, report, asked=video is not None)
     if as_json:
         print(json.dumps({name: json.loads(report.model_dump_json()) for name, report in reports.items()}, indent=1))
     raise typer.Exit(0 if all(report.passed for report in reports.values()) else 1)
 
 
-def _show(file: Path, report: AcceptanceReport) -> None:
+def _show(file: Path, report: AcceptanceReport, *, asked: bool) -> None:
     """The outcome of each suite, what limits it, and findings in full."""
     roles = ", ".join(report.roles) or "no role"
     text.console.print(f"[bold]{escape(str(file))}[/bold]: {roles}", soft_wrap=True)
@@ -86,6 +97,10 @@ def _show(file: Path, report: AcceptanceReport) -> None:
         )
     for finding in report.findings:
         text.show_diagnostic(finding, "    ")
+    if report.video:
+        text.console.print(f"  video: {escape(report.video)}", soft_wrap=True)
+    elif asked:
+        text.console.print("  no video: no suite moved anything with the gripper")
 
 
 def _remark(section: SuiteSection) -> str:

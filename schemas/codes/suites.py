@@ -139,4 +139,49 @@ SUITE_CODES: dict[str, CodeInfo] = {
         "It is held, but points elsewhere than before: what is done with it misses.",
         "check friction, mass and mass centre",
     ),
+    # Joints.
+    "asset/handle-not-taken": CodeInfo(
+        "warning",
+        "No gripper gets hold of the link that a joint is to move",
+        "Where the record has the handle, knob or button, no pads of any size close on it and no closed fingers get "
+        "behind or before it without touching the object, on the way in or over half of the path of the joint.",
+        "look at the colliders around the handle and at the limits of the joint: it may be filled in, lie behind "
+        "another part, or be opened into the body",
+    ),
+    "asset/handle-astray": CodeInfo(
+        "warning",
+        "The handle moves another way than the record has it",
+        "The joint moves the contact in another direction than that in which the record says that it opens.",
+        "check the sign of the axis and the limits of the joint",
+    ),
+    "asset/handle-not-opened": CodeInfo(
+        "warning",
+        "A gripper that moves along the path of a joint does not take the link with it",
+        "The joint stays behind although the hand pulls or pushes: it is stuck, too heavy or too stiff for a gripper.",
+        "check limits, friction, damping and spring of the joint, the mass of its link, and colliders in its way",
+    ),
+    "asset/handle-lost": CodeInfo(
+        "warning",
+        "The pads slip off the handle while it is moved",
+        "The joint follows, but a policy could not rely on the grip.",
+        "check friction, and the colliders of the handle",
+    ),
+    "asset/handle-forced": CodeInfo(
+        "warning",
+        "The joint takes more force than a gripper has",
+        "It moves, but only under a force along its path that is beyond that of the gripper.",
+        "check friction, damping and spring of the joint, and the mass of its link",
+    ),
+    "asset/handle-not-returned": CodeInfo(
+        "warning",
+        "The joint does not come back when the hand moves it back",
+        "It was opened, turned on or pressed, and the hand or its own spring does not bring it to where it was.",
+        "check its limits and its spring, and colliders that hook",
+    ),
+    "asset/handle-unstable": CodeInfo(
+        "warning",
+        "The joint jumps or diverges in the hand",
+        "It moves far faster than the hand that moves it, or to no finite position.",
+        "check the mass and inertia of the link and overlaps of its colliders",
+    ),
 }

@@ -51,7 +51,8 @@ class _BulletGraspWorld:
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=client)
         self._ground = pybullet.createMultiBody(0, plane, useMaximalCoordinates=1, physicsClientId=client)
         self._body = self._place_body(body, X_WA)
-        self._gripper = BulletGripper(client, task, scaled(X_WA @ task.X_AG, self._scale), self._scale)
+        X_WG = scaled(X_WA @ task.X_AG, self._scale)
+        self._gripper = BulletGripper(client, task, X_WG, self._scale, turns_wrist=task.motion.turns_wrist)
         links = _LINKS + task.motion.turns_wrist
         weight_n = (body.mass.mass_kg * self._scale**3 + links * LINK_KG) * GRAVITY_MPS2
         self._strong = HAND_FORCE_FACTOR * weight_n

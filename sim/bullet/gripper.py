@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pybullet
@@ -11,20 +13,34 @@ import pybullet
 from formats.urdf.write import write_urdf
 from geom import pose
 from schemas.arrays import FloatArray
+from schemas.physical_constants import GRAVITY_MPS2
 from sim.grasp_trial import GraspTask
-from sim.gripper_description import HAND, LEFT, RIGHT, describe_gripper, mount_joints
+from sim.gripper_description import HAND, LEFT, LINK_KG, RIGHT, UP, describe_gripper, mount_joints
+from sim.joint_handling import HandlingTask
 
 _GEAR_FORCE_N = 1e4  # of the coupling, which must not give way
 _GROUP, _OTHERS = 2, 1
 
 
 class BulletGripper:
-    """A gripper with its grip centre at X_WG (4, 4), lengths of the model, `scale` times as large as its true size."""
+    """A gripper with its grip centre at X_WG (4, 4), lengths of the model, `scale` times as large as its true size.
 
-    def __init__(self, client: int, task: GraspTask, X_WG: FloatArray, scale: float) -> None:
-        self._client = client
+    It is that of the task, opened as far; its mount turns about `turn_axis_W` (3,), its wrist if `turns_wrist`.
+    """
+
+    def __init__(
+        self,
+        client: int,
+        task: GraspTask | HandlingTask,
+        X_WG: FloatArray,
+        scale: float,
+        turn_axis_W: FloatArray = UP,
+        *,
+        turns_wrist: bool = False,
+    ) -> None:
+        self._client, self._link_kg = client, LINK_KG
         description = describe_gripper(
-            task.gripper, task.opening_m, X_WG[:3, :3], scale, turns_wrist=task.motion.turns_wrist
+            task.gripper, task.opening_m, X_WG[:3, :3], scale, turn_axis_W, turns_wrist=turns_wrist
         )
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "gripper.urdf"
@@ -40,7 +56,7 @@ class BulletGripper:
         infos = [pybullet.getJointInfo(self.handle, j, physicsClientId=client) for j in joints]
         by_name = {info[1].decode(): info[0] for info in infos} | {info[12].decode(): info[0] for info in infos}
         self.left, self.right, self.hand = (by_name[name] for name in (LEFT, RIGHT, HAND))
-        self._mount = [by_name[name] for name in mount_joints(task.motion.turns_wrist)]
+        self._mount = [by_name[name] for name in mount_joints(turns_wrist)]
         self._count = len(infos)
         gear = pybullet.createConstraint(
             self.handle, self.left, self.handle, self.right, pybullet.JOINT_GEAR, [1, 0, 0], [0, 0, 0], [0, 0, 0],
@@ -62,8 +78,53 @@ class BulletGripper:
         for joint, position in zip(self._mount, mount.tolist(), strict=False):
             pybullet.resetJointState(self.handle, joint, position, 0.0, physicsClientId=self._client)
 
-    def drive(self, mount: FloatArray, rate: FloatArray, force_n: float) -> None:
-        """Motors of the mount towards positions (5,) at rates (5,); those of the wrist count where it turns."""
+    def mount(self) -> FloatArray:
+        """(k,) positions of the mount."""
+        return np.array([state[0] for state in self._mount_states()])
+
+    def mount_efforts(self) -> FloatArray:
+        """(k,) efforts of the motors of the mount in the last step."""
+        return np.array([state[3] for state in self._mount_states()])
+
+    def scale_mass(self, factor: float) -> None:
+        """Mass and inertia of every link, `factor` times those of the description."""
+        self._link_kg = factor * LINK_KG
+        for link in range(self._count):
+            moments = pybullet.getDynamicsInfo(self.handle, link, physicsClientId=self._client)[2]
+            pybullet.changeDynamics(
+                self.handle,
+                link,
+                mass=self._link_kg,
+                localInertiaDiagonal=[factor * moment for moment in moments],
+                physicsClientId=self._client,
+            )
+
+    def carry_weight(self) -> None:
+        """Take the weight off the gripper for the next step, as an arm does that compensates gravity."""
+        links = range(self._count)
+        states = pybullet.getLinkStates(self.handle, links, physicsClientId=self._client)
+        for link, state in zip(links, states, strict=True):
+            pybullet.applyExternalForce(
+                self.handle,
+                link,
+                [0.0, 0.0, self._link_kg * GRAVITY_MPS2],
+                state[0],
+                pybullet.WORLD_FRAME,
+                physicsClientId=self._client,
+            )
+
+    def _mount_states(self) -> Sequence[Sequence[Any]]:
+        return pybullet.getJointStates(self.handle, self._mount, physicsClientId=self._client)
+
+    def set_friction(self, friction: float) -> None:
+        """Friction of pads and hand; the engine multiplies it with that of what they touch."""
+        for link in range(self._count):
+            pybullet.changeDynamics(self.handle, link, lateralFriction=friction, physicsClientId=self._client)
+
+    def drive(self, mount: FloatArray, rate: FloatArray, efforts: float | FloatArray) -> None:
+        """Motors of the mount towards positions at rates (5,), with efforts at most, or one for all; those of the wrist
+        count where it turns.
+        """
         count = len(self._mount)
         pybullet.setJointMotorControlArray(
             self.handle,
@@ -71,7 +132,7 @@ class BulletGripper:
             pybullet.POSITION_CONTROL,
             targetPositions=mount[:count].tolist(),
             targetVelocities=rate[:count].tolist(),
-            forces=[force_n] * count,
+            forces=np.broadcast_to(efforts, count).tolist(),
             positionGains=[0.3] * count,
             velocityGains=[1.0] * count,
             physicsClientId=self._client,

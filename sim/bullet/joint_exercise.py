@@ -22,6 +22,7 @@ from geom import pose
 from geom.mechanism_pose import joint_positions
 from schemas.arrays import FloatArray
 from sim.bullet.articulation import JOINT_STEP_S, BuiltArticulation, build
+from sim.bullet.joint_motors import apply_passive, drive_followers, drive_joint, hold_joints
 from sim.bullet.joint_overlaps import overlaps_along, overlaps_at_rest
 from sim.bullet.joint_stroke import Stroke, stroke_of
 from sim.bullet.probes import FRICTION, build_loose
@@ -40,7 +41,6 @@ from sim.joint_exercise import (
 )
 
 BEYOND = 0.03  # of the range: how far past an end a drive's target runs; further, and motor and limit share the way
-GAIN = 40.0  # of the position motor, per stroke: an error of 2 % of the range is braked with what strength there is
 PATIENCE = 1.5  # times the seconds of a stroke, until a push counts as blocked
 SETTLING_S, SETTLING_SHARE = 0.15, 0.1  # at each end, seconds or of a stroke, in which a slam rings out
 ARRIVED = 0.002  # of the range: a push is over
@@ -50,7 +50,6 @@ FINE_STEP_S = 0.5 * JOINT_STEP_S  # A limit stops a joint within one step: of th
 DIVERGED = 100.0  # ranges
 SPEED_SLACK = 3.0  # over the speed of the stroke and of a free fall
 AXIS_ANGLE_RAD = 0.5  # turn after which the axis is read off the poses of links
-HOLDING = 10.0  # strength of the motors of other joints, over that of the exercised one at its own job
 
 
 def exercise_joints(articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:
@@ -99,23 +98,7 @@ class _Exercise:
         step_s = FINE_STEP_S if fine else JOINT_STEP_S
         pybullet.setTimeStep(step_s, physicsClientId=built.client)
         built.set_positions(joint_positions(mechanism, {}))
-        for joint in mechanism.tree:
-            if joint.kind == "ball":
-                continue
-            held = joint != self.joint and joint not in self.followers
-            stroke = self.strokes[joint.name]
-            effort = HOLDING * stroke.strength(stroke.span / stroke.seconds("fast", self.root), stroke.inertia)
-            pybullet.setJointMotorControl2(
-                built.handle,
-                built.joint_index(joint),
-                pybullet.POSITION_CONTROL,
-                targetPosition=0.0,
-                targetVelocity=0.0,
-                positionGain=0.3,
-                velocityGain=1.0,
-                force=effort if held else 0.0,
-                physicsClientId=built.client,
-            )
+        hold_joints(built, self.strokes, (self.joint, *self.followers), self.root)
         return step_s
 
     def _run(self, actuation: Actuation, pace: Pace) -> tuple[JointRun, FloatArray | None]:
@@ -244,56 +227,20 @@ class _Motion:
     def _motor(self, position: float, velocity: float) -> None:
         pressing = self.stroke.joint.limits is not None and not self.stroke.low <= position <= self.stroke.high
         there = not self.stroke.low < self.q < self.stroke.high
-        self._set_motor(
-            self.exercise.number, position, velocity, self._light() if pressing and there else self.strength
-        )
+        effort = self._light() if pressing and there else self.strength
+        drive_joint(self.built, self.exercise.number, position, velocity, effort, self.seconds / self.step_s)
         self._follow(position, velocity)
-
-    def _set_motor(self, number: int, position: float, velocity: float, effort: float) -> None:
-        pybullet.setJointMotorControl2(
-            self.built.handle,
-            number,
-            pybullet.POSITION_CONTROL,
-            targetPosition=position,
-            targetVelocity=velocity,
-            positionGain=min(GAIN * self.step_s / self.seconds, 1.0),
-            velocityGain=1.0,
-            force=effort,
-            physicsClientId=self.built.client,
-        )
 
     def _follow(self, position: float | None = None, velocity: float | None = None) -> None:
         """Motors of the joints that follow this one, to where it is or is driven to."""
         exercise = self.exercise
-        if not exercise.followers:
-            return
-        q, qd = self.q if position is None else position, self.qd if velocity is None else velocity
-        mechanism = self.built.articulation.mechanism
-        at = joint_positions(mechanism, {exercise.joint.name: q / exercise.unit + exercise.joint.rest})
-        ahead = joint_positions(mechanism, {exercise.joint.name: (q + qd) / exercise.unit + exercise.joint.rest})
-        for other in exercise.followers:
-            unit = self.built.unit(other)
-            target, speed = (at[other.name] - other.rest) * unit, (ahead[other.name] - at[other.name]) * unit
-            stroke = exercise.strokes[other.name]
-            effort = HOLDING * stroke.strength(max(abs(speed), stroke.span / self.seconds), stroke.inertia)
-            self._set_motor(self.built.joint_index(other), target, speed, effort)
+        state = self.q if position is None else position, self.qd if velocity is None else velocity
+        drive_followers(
+            self.built, exercise.strokes, exercise.joint, exercise.followers, state, self.seconds, self.step_s
+        )
 
     def _passive(self) -> None:
-        """Spring and damping, implicitly: the effort that they have at the end of the step."""
-        damping, stiffness = self.stroke.damping, self.stroke.stiffness
-        if damping == 0.0 and stiffness == 0.0:
-            return
-        joint = self.exercise.joint
-        spring_rest = (joint.spring_rest - joint.rest) * self.exercise.unit
-        force = -stiffness * (self.q + self.qd * self.step_s - spring_rest) - damping * self.qd
-        effort = force / (1.0 + (damping + stiffness * self.step_s) * self.step_s / self._inertia)
-        pybullet.setJointMotorControl2(
-            self.built.handle,
-            self.exercise.number,
-            pybullet.TORQUE_CONTROL,
-            force=effort,
-            physicsClientId=self.built.client,
-        )
+        apply_passive(self.built, self.stroke, (self.q, self.qd), self._inertia, self.step_s)
 
     def _step(self) -> bool:
         """One step; False once the motion has diverged."""

@@ -33,12 +33,14 @@ from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, RigidBody
 from sim.bullet.grasp import grasp
 from sim.bullet.joint_exercise import exercise_joints
+from sim.bullet.joint_handling import handle_joint
 from sim.bullet.loading import load
 from sim.bullet.probes import drop_probes
 from sim.bullet.shapes import PARKED_M
 from sim.bullet.world import dynamic_body, scaled
 from sim.grasp_trial import GraspOutcome, GraspTask
 from sim.joint_exercise import Articulation, ArticulationExercise, JointTask
+from sim.joint_handling import HandlingOutcome, HandlingTask
 from sim.loading import LoadOutcome, LoadTask
 from sim.port import (
     DropResult,
@@ -139,6 +141,10 @@ class BulletSimulator:
     def exercise_joints(self, articulation: Articulation, tasks: Sequence[JointTask]) -> ArticulationExercise:
         """See `sim.port.Simulator`."""
         return exercise_joints(articulation, tasks)
+
+    def handle_joint(self, articulation: Articulation, task: HandlingTask) -> HandlingOutcome:
+        """See `sim.port.Simulator`."""
+        return handle_joint(articulation, task)
 
     def _load(self, body: RigidBody, world: World) -> _Loaded:
         """Build ground and body in an empty world, and verify the engine's copy of the body."""

@@ -10,8 +10,8 @@ from PIL import Image
 
 from geom.mechanism_pose import link_motions
 from render.camera import HERO_VIEW, camera
-from render.joints import draw_joints, swept_frame
-from render.joints_request import JointsRequest
+from render.joints import draw_motion, swept_frame
+from render.motion_request import MotionRequest
 from render.request import RenderRequest
 from render.views import render_all
 from schemas.mechanism import JointCoupling, Mechanism, MechanismJoint, MechanismLink
@@ -59,8 +59,10 @@ def centre(picture: np.ndarray, channel: int) -> np.ndarray:
 
 
 def frames(content: Model, folder: Path, *openings_rad: float) -> list[np.ndarray]:
-    request = JointsRequest(content, tuple({"hinge": q} for q in openings_rad), str(folder), PX)
-    return [np.asarray(Image.open(path)).astype(int) for path in draw_joints(request)]
+    assert content.mechanism is not None
+    poses = [link_motions(content.mechanism, {"hinge": q}) for q in openings_rad]
+    request = MotionRequest(content, {name: np.stack([p[name] for p in poses]) for name in poses[0]}, str(folder), PX)
+    return [np.asarray(Image.open(path)).astype(int) for path in draw_motion(request)]
 
 
 def test_links_are_drawn_where_their_joints_put_them(tmp_path: Path):

@@ -65,6 +65,19 @@ class SuitePolicy:
     use_slip_m       in the gripper over the motion of use, as for handling, or `use_slip_share` of the lever from the
                      pads to the mass centre where that is more: a turn of as many radians between the pads.
 
+    Joints (`fixture`):
+    joints           that are handled, the first ones on record; more would take longer than everything else.
+    joint_tries      ways that are tried with pads, and as many with closed fingers.
+    joint_pull_rad   between the first motion at the contact and the direction on record: a wide region
+                     moves in several directions; another sign of the axis is 180 degrees off.
+    joint_free       share of the range over which hand and fingers must be clear of the object: half open lets a hand
+                     or an object through.
+    joint_turn_rad   that a hand turns at most in one go: the last joint of a Franka arm turns 2.9 rad either way.
+    joint_followed   share of the way of the hand that the joint must make: SimReady's benchmark is content with 2 %.
+    joint_kept       share of the time of moving in which both pads must touch the link.
+    joint_back       share of the range that may be left when it is moved back.
+    joint_speed      of the joint over that of the hand: what it may jump ahead when it is freed.
+
     margin_share     to which the value is found from which on a suite holds.
     """
 
@@ -108,6 +121,15 @@ class SuitePolicy:
     far_share: float = 0.8
     use_slip_m: float = 0.01
     use_slip_share: float = 0.1
+    joints: int = 8
+    joint_tries: int = 3
+    joint_pull_rad: float = math.radians(60.0)
+    joint_free: float = 0.5
+    joint_turn_rad: float = 2.9
+    joint_followed: float = 0.9
+    joint_kept: float = 0.9
+    joint_back: float = 0.1
+    joint_speed: float = 5.0
     margin_share: float = 0.1
 
 

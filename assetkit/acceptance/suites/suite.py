@@ -18,6 +18,7 @@ from schemas.asset import Check, Role, StablePose
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.physics import Contact, MassProperties, RigidBody
 from sim.grasp_trial import GraspTrace
+from sim.joint_handling import HandlingTrace
 from sim.port import Simulator
 from usdio.reread.body import RereadPackage
 
@@ -102,6 +103,7 @@ class SuiteRun:
     findings: tuple[Diagnostic, ...] = ()
     tried: Subject | None = None
     trace: GraspTrace | None = None
+    handled: tuple[HandlingTrace, ...] = ()
 
     @property
     def passes(self) -> bool:
@@ -167,9 +169,14 @@ class CheckList:
         figures = {"value": check.value, "bound": check.bound, "unit": check.unit}
         self.findings.append(finding(code, headline, where=self.where, **figures))
 
-    def run(self, tried: Subject | None = None, trace: GraspTrace | None = None) -> SuiteRun:
+    def run(
+        self,
+        tried: Subject | None = None,
+        trace: GraspTrace | None = None,
+        handled: Sequence[HandlingTrace] = (),
+    ) -> SuiteRun:
         """The result."""
-        return SuiteRun(tuple(self.checks), tuple(self.findings), tried, trace)
+        return SuiteRun(tuple(self.checks), tuple(self.findings), tried, trace, tuple(handled))
 
 
 def prefixed(checks: Sequence[Check], prefix: str) -> tuple[Check, ...]:
