@@ -17,6 +17,7 @@ from simgap.whole_trials.parameter_space import Space, vector_of, with_vector
 
 _DIFFERENCE = 1e-6  # of a parameter's range: larger ones separate what scales together
 _START_PRIOR = 1e-3  # precision that holds a start in place, in its steps: a start may be of no effect
+_NOTHING = 1e-200  # of a term of information
 _SINGULAR = 1e-12
 FIXED = 1e-5  # range of a value that bounds fix
 
@@ -125,10 +126,15 @@ def solve_safely(matrix: FloatArray, right: FloatArray) -> FloatArray:
 
 
 def inverse_of(matrix: FloatArray) -> FloatArray:
-    """The inverse (p, p) of a symmetric matrix that may be nearly singular, scaled in the same way."""
-    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    eased = matrix / np.outer(scale, scale) + _SINGULAR * np.eye(len(scale))
-    return np.asarray(np.linalg.inv(eased), dtype=float) / np.outer(scale, scale)
+    """The inverse (p, p) of a symmetric matrix that may be nearly singular, scaled in the same way.
+
+    An unknown of which nothing is known (its term is zero, as that of a switch) has a row and a column of zeros.
+    """
+    known = np.diag(matrix) > _NOTHING
+    scale = np.sqrt(np.where(known, np.diag(matrix), 1.0))
+    eased = np.where(np.outer(known, known), matrix / np.outer(scale, scale), 0.0) + _SINGULAR * np.eye(len(scale))
+    inverse = np.asarray(np.linalg.inv(eased), dtype=float) / np.outer(scale, scale)
+    return np.where(np.outer(known, known), inverse, 0.0)
 
 
 def linearise(

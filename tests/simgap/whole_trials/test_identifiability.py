@@ -10,7 +10,7 @@ from simgap.problem import Term
 from simgap.whole_trials.fit_model import fit_model
 from simgap.whole_trials.identifiability import identifiable, twins
 from simgap.whole_trials.ladder import ladder_of
-from simgap.whole_trials.linearisation import linearise
+from simgap.whole_trials.linearisation import inverse_of, linearise
 from simgap.whole_trials.policy import POLICY
 from simgap.whole_trials.score_test import scores
 from tests.simgap.whole_trials.drawn_trials import ROWS, SHAPES, TRIALS, Drawn, candidates
@@ -58,3 +58,15 @@ def test_the_same_shape_at_any_strength_could_take_an_effects_place():
 def test_what_is_merely_weak_has_no_twins():
     """A ramp and a wave share little: although little is there to tell them apart, neither is the other's twin."""
     assert beside({"wave": 0.03}, "wave", "ramp twin") == []
+
+
+def test_an_unknown_that_changes_nothing_takes_nothing_from_the_others() -> None:
+    """As the switch of a law that has two places, fitted beside others: its slopes are zero."""
+    known = np.array([[4.0, 1.0], [1.0, 9.0]])
+    matrix = np.zeros((3, 3))
+    matrix[np.ix_([0, 2], [0, 2])] = known
+    inverse = inverse_of(matrix)
+    assert np.isfinite(inverse).all()
+    assert inverse[np.ix_([0, 2], [0, 2])] == pytest.approx(np.linalg.inv(known), rel=1e-9)
+    assert not inverse[1].any()
+    assert not inverse[:, 1].any()
