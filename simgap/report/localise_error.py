@@ -44,7 +44,7 @@ class _Loss:
         draws = np.random.default_rng(0).integers(0, within.shape[1], (_CONTRAST_DRAWS, within.shape[1]))
         drawn = _ratio(within[:, draws].sum(axis=2), rest[:, draws].sum(axis=2))
         whole = float(_ratio(within.sum(axis=1), rest.sum(axis=1)))
-        return Contrast(whole, float(np.quantile(drawn, POLICY.rejection_alpha)))
+        return Contrast(whole, float(np.quantile(drawn, POLICY.alpha)))
 
 
 class Contrast(NamedTuple):

@@ -34,7 +34,7 @@ USES: Mapping[RegionKind, tuple[tuple[Phase, float], ...]] = {"rim": _POUR, "spo
 OTHER_USE = ((Phase.CARRY, 1.2), (Phase.SWING, 2.2), (Phase.STIR, 3.0))
 _BEFORE = ((Phase.APPROACH, 0.6), (Phase.CLOSE, 0.35))
 _LIFT_S, _HOLD_S, _RELEASE_S = 0.8, 0.5, 0.35
-_CLEAR_M = 0.05  # that the tool stays above the ground, however it turns
+_ABOVE_GROUND_M = 0.05  # that the tool stays above the ground, however it turns
 
 
 class ToolSuite:
@@ -146,7 +146,7 @@ def use_motion(subject: Subject, grasp: Grasp) -> HandMotion:
     points = np.concatenate([surface(shape)[0] for shape in subject.body.shapes])
     reach = float(np.linalg.norm(points - X_AG[:3, 3], axis=1).max())
     X_WG = X_WA @ X_AG
-    lift = max(LIFT_M, reach + _CLEAR_M - float(X_WG[2, 3]))
+    lift = max(LIFT_M, reach + _ABOVE_GROUND_M - float(X_WG[2, 3]))
     lever_W = X_WA[:3, :3] @ (np.asarray(subject.body.mass.centre_of_mass_m) - X_AG[:3, 3])
     rises = float(np.cross(X_WG[:3, 0], lever_W)[2])
     seconds = _LIFT_S * math.sqrt(lift / LIFT_M)

@@ -2,7 +2,8 @@
 
 From readings at their stamps to two times. A radian of the motion is the spread of positions over that of rates, for
 the joint for which it is least. Local cubics span a quarter of it, or of the spread of rates over that of
-accelerations where that is less: joints that stand and then jump move slowly on average, but not when they move.
+accelerations where that is less: joints that stand and then jump move slowly on average, but not when they move. What
+drifts through its trials has no time of its own: then both are shares of the length of a trial.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ from simgap.recording.recording import Trial
 CUBIC_ORDER = 3
 LEAST_CUBIC_ROWS = 7  # of a local cubic with four free numbers: the rest shows the noise
 _SPAN_RADIANS = 0.25  # a cubic through a sine strays by 2e-5 of its amplitude over this
+# Least radians and cubics in a trial: a swing of two periods has 12 radians, and each has four cubics.
+_RADIANS_PER_TRIAL, _CUBICS_PER_TRIAL = 12.0, 48.0
 _LADDER = 1.25  # between one span that is tried and the next
 _SCALE_ROUNDS, _SETTLED = 8, 0.01  # of the span that its own accelerations ask for; three rounds are usual
 _MOVES = 3.0  # noise levels; a joint that moves by less has no time scale
@@ -53,17 +56,20 @@ def time_scale(trials: Sequence[Trial]) -> TimeScale:
         raise ValueError(f"{max(map(len, trials))} rows are too few for derivatives; {LEAST_CUBIC_ROWS} are needed")
     enough = 0.5 * np.median([len(q) for _, _, q in evened])
     evened = [one for one in evened if len(one[2]) >= enough]
-    span_s, row_s = _least_cross_validation(evened), min(step for step, _, _ in evened)
+    row_s = min(step for step, _, _ in evened)
+    trial_s = float(np.median([times[-1] - times[0] for _, times, _ in evened]))
+    span_s = max(min(_least_cross_validation(evened), trial_s / _CUBICS_PER_TRIAL), LEAST_CUBIC_ROWS * row_s)
     radian_s, _ = _radians(evened, span_s) or (span_s / _SPAN_RADIANS,) * 2
     for _ in range(_SCALE_ROUNDS):
         radians = _radians(evened, span_s)
         if radians is None:
             break
         radian_s, before = radians[0], span_s
-        span_s = max(_SPAN_RADIANS * min(radians), row_s)  # Where readings jump there is no other limit.
+        span_s = min(_SPAN_RADIANS * min(radians), trial_s / _CUBICS_PER_TRIAL)
+        span_s = max(span_s, row_s)  # Where readings jump there is no other limit.
         if abs(span_s - before) < _SETTLED * before:
             break
-    return TimeScale(radian_s, span_s)
+    return TimeScale(max(min(radian_s, trial_s / _RADIANS_PER_TRIAL), span_s / _SPAN_RADIANS), span_s)
 
 
 def even_readings(t_s: FloatArray, q: FloatArray) -> tuple[float, FloatArray, FloatArray]:

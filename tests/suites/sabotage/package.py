@@ -15,10 +15,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
-FloatArray = NDArray[np.float64]
+from schemas.arrays import FloatArray
 
 
 @dataclass

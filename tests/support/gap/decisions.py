@@ -44,13 +44,17 @@ DECIDES = {
     Reason.SINGLE_TRIAL: ("gains without an interval", "<="),
     Reason.LESS_THAN_UNEXPLAINED: (f"share of the loss that comes back without it|{WHOLE}.*", "[<>]="),
     Reason.INSEPARABLE_FROM: ("models of the confidence set without the effect", "<="),
+    Reason.SHAPE_DIFFERS: (
+        "share of what repeats in the balance along .* that the law explains|p-value of structure in the balance .*",
+        ">=",
+    ),
     Reason.REMAINDER_OF: ("confusable effects in doubt at its place", "<="),
 }
 PASSES = {
     "screen": {Reason.PASSED},
     "confirm": {Reason.PASSED},
     "compare": {Reason.PASSED, Reason.INSEPARABLE_FROM},
-    "judge": {Reason.NAMED},
+    "judge": {Reason.NAMED, Reason.SHAPE_HIDDEN},
 }
 MIMICS = (Reason.MIMICKED_BY, Reason.DIRECT_PREFERS, Reason.INSEPARABLE_FROM)
 NEEDS_ANOTHER = {r for r in Reason if re.search(r" (than|by|from|without|to|after|prefers|of)$", f" {r}")}
