@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from schemas.asset import Check, SuiteSection
 from schemas.diagnostics import Diagnostic
 
-VIDEOS = "videos"  # folder of a library with a GIF per package, beside the packages: their files and hashes stay theirs
+# Folder of a library with a GIF per package: beside the packages, whose files are those that their records hash, and
+# under a name that no package has (`assetkit.sources.discover.slug` gives no hyphen followed by a word).
+VIDEOS = "acceptance-videos"
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ class AcceptanceDemo:
 
 
 def acceptance_demo(library: Path, generated: Path, out: Path) -> tuple[AcceptanceDemo, ...]:
-    """A rigid package of `library` that a gripper carries, and the packages of `generated`, filmed in `out/videos`.
+    """A rigid package of `library` that a gripper carries, and those of `generated`, filmed in `VIDEOS` of `out`.
 
     The rows are those of the records; the suites run again, at the values of the package only, to be filmed.
     """

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from assetkit.batch.suite_rows import suite_rows, withdrawn_roles
+from assetkit.batch.suite_rows import VIDEOS, suite_rows, withdrawn_roles
+from assetkit.sources.discover import slug
 from schemas.asset import Check, Corner, Margin, SuiteSection
 from schemas.diagnostics import finding
 
@@ -94,3 +97,8 @@ def test_a_package_without_suites_has_no_table_and_a_video_is_linked() -> None:
     assert "<table>" not in page()
     assert 'href="videos/mug.gif"' in page(suites=suite_rows([FAILED]), video="videos/mug.gif")
     assert "href" not in page(suites=suite_rows([FAILED]))
+
+
+def test_no_package_can_take_the_folder_of_videos() -> None:
+    assert slug(VIDEOS) != VIDEOS
+    assert not re.search(r"-([0-9a-f]{6}|\d+)$", VIDEOS)  # what follows the slug of namesakes and of parts
