@@ -40,10 +40,10 @@ class SuiteRow:
         """The row in a few words, without its name and outcome."""
         if not self.of:
             return self.why
-        told = [f"{self.passed} of {self.of} checks", self.why, *self.margins]
-        told.append("" if self.margins or not self.corners else f"{self.corners} ends of friction and mass hold")
-        told.append(f"steps of the engine: {self.repeats}" if "fails" in self.repeats else "")
-        return "; ".join(filter(None, told))
+        parts = [f"{self.passed} of {self.of} checks", self.why, *self.margins]
+        parts.append("" if self.margins or not self.corners else f"{self.corners} ends of friction and mass hold")
+        parts.append(f"steps of the engine: {self.repeats}" if "fails" in self.repeats else "")
+        return "; ".join(filter(None, parts))
 
 
 @dataclass(frozen=True)
@@ -96,10 +96,10 @@ def _failure(check: Check) -> str:
     return f"{_words(check.name)}: {_quantity(check.value, check.unit)}, bound {_quantity(check.bound, check.unit)}"
 
 
-def _figures(finding: Diagnostic, said: str) -> str:
-    """The finding with value and bound, without its headline where that was `said` already."""
+def _figures(finding: Diagnostic, headline: str) -> str:
+    """The finding with value and bound, without its own headline where `headline` holds it."""
     figures = [_quantity(figure, finding.unit) for figure in (finding.value, finding.bound) if figure is not None]
-    return ": ".join(filter(None, ["" if finding.headline in said else finding.headline, ", bound ".join(figures)]))
+    return ": ".join(filter(None, ["" if finding.headline in headline else finding.headline, ", bound ".join(figures)]))
 
 
 def _quantity(value: float | str | None, unit: str) -> str:

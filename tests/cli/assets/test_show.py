@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from typer.testing import CliRunner
@@ -13,7 +14,7 @@ from schemas.asset import Check, Margin, SuiteSection
 from schemas.diagnostics import finding
 
 
-def shown(folder: Path, acceptance: dict[str, object], diagnostics: list[object]) -> str:
+def shown(folder: Path, acceptance: dict[str, object], diagnostics: Sequence[object]) -> str:
     record = {"asset_id": "mug", "outcome": "accepted", "acceptance": acceptance, "diagnostics": diagnostics}
     record |= {section: {} for section in ("geometry", "semantics", "physics", "source")}
     (folder / RECORD).write_text(json.dumps(record))
