@@ -92,8 +92,8 @@ def _margins(suite: SuiteSection) -> tuple[str, ...]:
 
 
 def _failure(check: Check) -> str:
-    """Name, value and bound of a check."""
-    return f"{_words(check.name)}: {_quantity(check.value, check.unit)}, bound {_quantity(check.bound, check.unit)}"
+    """Name (as on record: it may hold names of joints and places), value and bound of a check."""
+    return f"{check.name}: {_quantity(check.value, check.unit)}, bound {_quantity(check.bound, check.unit)}"
 
 
 def _figures(finding: Diagnostic, headline: str) -> str:

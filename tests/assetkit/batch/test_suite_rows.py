@@ -39,7 +39,7 @@ def page(**card: object) -> str:
 def test_a_failed_suite_shows_the_first_figure_that_failed_with_its_bound() -> None:
     (row,) = suite_rows([FAILED])
     assert (row.outcome, row.passed, row.of) == ("failed", 1, 3)
-    assert row.why == "volume 0/leaves most: 0.31 m, bound 0.05 m"
+    assert row.why == "volume_0/leaves_most: 0.31 m, bound 0.05 m"
     assert row.remark == f"1 of 3 checks; {row.why}"
     assert row.why in page(suites=(row,))
 
