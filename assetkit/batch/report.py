@@ -9,6 +9,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from assetkit.batch.joint_rows import joint_rows
+from assetkit.batch.suite_rows import VIDEOS, suite_rows, withdrawn_roles
 from assetkit.package.record import RECORD
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
@@ -66,6 +67,7 @@ def _card(out: Path, name: str) -> dict[str, object]:
     record = AssetRecord.model_validate_json((out / name / RECORD).read_bytes())
     method = record.physics.collision_method
     chosen = next((c for c in record.physics.candidates if c.method == method), None)
+    video = f"{VIDEOS}/{name}.gif"
     return {
         "name": name,
         "record": record,
@@ -78,4 +80,7 @@ def _card(out: Path, name: str) -> dict[str, object]:
             record.joint_uses,
             [anchor.value for anchor in record.anchors],
         ),
+        "suites": suite_rows(record.acceptance.suites),
+        "withdrawn": withdrawn_roles(record.diagnostics),
+        "video": video if (out / video).is_file() else "",
     }

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, cast, get_args
 
 import typer
 from rich.markup import escape
 
+from assetkit.batch.suite_rows import suite_rows
 from assetkit.library.acceptance_request import GATE, OBJECT, AcceptanceReport, AcceptanceRequest
 from cli import text
 from cli.engines import SIMULATOR
 from jobs.cell import Limits
 from schemas.asset import Role, SuiteSection
 
-_STYLE = {"passed": "green", "failed": "red", "not_run": "dim"}
+_STYLE = {"passed": "green", "failed": "red", "not run": "dim"}
 
 
 def accept_command(
@@ -89,12 +91,7 @@ def _show(file: Path, report: AcceptanceReport, *, asked: bool) -> None:
     """The outcome of each suite, what limits it, and findings in full."""
     roles = ", ".join(report.roles) or "no role"
     text.console.print(f"[bold]{escape(str(file))}[/bold]: {roles}", soft_wrap=True)
-    for section in report.suites:
-        style = _STYLE[section.outcome]
-        text.console.print(
-            f"  [{style}]{section.outcome.replace('_', ' '):8}[/{style}] {section.name:14} {escape(_remark(section))}",
-            soft_wrap=True,
-        )
+    show_suites(report.suites)
     for finding in report.findings:
         text.show_diagnostic(finding, "    ")
     if report.video:
@@ -103,11 +100,8 @@ def _show(file: Path, report: AcceptanceReport, *, asked: bool) -> None:
         text.console.print("  no video: no suite moved anything with the gripper")
 
 
-def _remark(section: SuiteSection) -> str:
-    """The reason, or how many checks passed and what limits them."""
-    if section.reason:
-        return section.reason
-    passed = sum(check.passed for check in section.checks)
-    limits = [margin.statement for margin in section.margins if margin.statement]
-    limits += [check.name.replace("_", " ") + ": no" for check in section.repeats if not check.passed]
-    return "; ".join([f"{passed} of {len(section.checks)} checks", *limits])
+def show_suites(suites: Sequence[SuiteSection]) -> None:
+    """A line for each suite: outcome, name, checks passed, the first that failed, margins."""
+    for row in suite_rows(suites):
+        style = _STYLE[row.outcome]
+        text.console.print(f"  [{style}]{row.outcome:8}[/{style}] {row.name:14} {escape(row.remark)}", soft_wrap=True)

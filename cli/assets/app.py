@@ -15,11 +15,12 @@ from rich.markup import escape
 from assetkit.annotate.exchange import worst_seconds
 from assetkit.batch.item_cells import default_jobs
 from assetkit.batch.run_batch import ingest
+from assetkit.batch.suite_rows import withdrawn_roles
 from assetkit.library import catalog
 from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
 from assetkit.package.record import RECORD
 from cli import text
-from cli.assets.accept import accept_command
+from cli.assets.accept import accept_command, show_suites
 from cli.assets.generate import generate_command
 from cli.assets.progress import shown_progress
 from cli.assets.review import review_command
@@ -28,8 +29,8 @@ from cli.engines import SIMULATOR
 from cli.findings import show_findings
 from jobs.cache import content_key, file_sha256
 from jobs.cell import Limits
-from schemas.asset import Role
-from schemas.diagnostics import Severity
+from schemas.asset import Role, SuiteSection
+from schemas.diagnostics import Diagnostic, Severity
 from schemas.outcome import ItemOutcome
 
 app = typer.Typer(help="Raw asset files in, accepted simulation packages out.", no_args_is_help=True)
@@ -187,7 +188,7 @@ app.command("review")(review_command)
 def show_command(
     package: Annotated[Path, typer.Argument(help="A package folder.", exists=True)], as_json: AsJson = False
 ) -> None:
-    """Show what is known about one package and how sure it is.
+    """Show what is known about one package, how sure it is, and which suites of acceptance hold within which margins.
 
     Example: `mana assets show library/mug`
     """
@@ -197,6 +198,12 @@ def show_command(
         return
     text.console.print(f"[bold]{record['asset_id']}[/bold]  {record['outcome']}")
     text.show_rows(_evidence_rows(record), {"what": "what", "value": "value", "source": "source", "sure": "sure"})
+    suites = record["acceptance"].get("suites", ())  # records of earlier versions have none
+    if suites:
+        text.console.print("acceptance by suites")
+        show_suites([SuiteSection.model_validate(suite) for suite in suites])
+    for role in withdrawn_roles([Diagnostic.model_validate(each) for each in record["diagnostics"]]):
+        text.console.print(f"  {role.headline} ({'; '.join(role.figures)})", soft_wrap=True, markup=False)
 
 
 @app.command("validate")

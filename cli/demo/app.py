@@ -45,9 +45,10 @@ def demo(
     """
     from assetkit.library.judge_file import validate_file  # Loads USD, which other commands do not need.
     from assetkit.library.validate import main_usd_files
+    from cli.demo.acceptance import acceptance_demo
     from cli.demo.gap import gap_demo
     from cli.demo.gate import spoil_package
-    from cli.demo.mechanism import mechanism_demo
+    from cli.demo.mechanism import GENERATED, mechanism_demo
     from cli.demo.page import write_page
     from cli.demo.replay import replay_demo
     from cli.demo.scene import scene_demo
@@ -69,11 +70,13 @@ def demo(
         scene = scene_demo(library, out)
     with text.console.status("opening drawers") if not as_json else nullcontext():
         mechanism = mechanism_demo(out)
+    with text.console.status("taking, carrying, opening") if not as_json else nullcontext():
+        accepted = acceptance_demo(library, out / GENERATED, out)
     with text.console.status("putting objects into a recording") if not as_json else nullcontext():
         replay = replay_demo(library, data / "franka_panda", out)
     with text.console.status("naming a hidden effect") if not as_json else nullcontext():
         gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
-    page = write_page(report, verdicts, spoiled, search_demo(library), scene, mechanism, replay, gap, out)
+    page = write_page(report, verdicts, spoiled, search_demo(library), scene, mechanism, accepted, replay, gap, out)
     if as_json:
         print(report.model_dump_json(indent=1))
     else:

@@ -18,6 +18,7 @@ from scenec.compile import compile_program
 from schemas.asset import AssetRecord
 from schemas.scene.compiled import CompileReport
 
+GENERATED = "generated"  # the library of the mechanism, beside the page
 _NAME = "drawer_unit"
 _SCENE = """\
 scene: drawers
@@ -55,7 +56,7 @@ class MechanismDemo:
 
 def mechanism_demo(out: Path) -> MechanismDemo | None:
     """Generate, ingest and place a drawer unit of two levels; None where no package came of it."""
-    library, folder = out / "generated", out / "drawers"
+    library, folder = out / GENERATED, out / "drawers"
     generator = GENERATORS[_NAME]
     write_set(generator, read_settings(generator.parameters, ["levels=2"]), library / "sources" / _NAME)
     ingest([library / "sources" / _NAME / f"{_NAME}.urdf"], library, engine=SIMULATOR, jobs=1)

@@ -8,6 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from assetkit.package.package import PREVIEWS
 from assetkit.package.record import RECORD
+from cli.demo.acceptance import AcceptanceDemo
 from cli.demo.gap import GapDemo
 from cli.demo.gate import Spoiled
 from cli.demo.mechanism import MechanismDemo
@@ -34,6 +35,7 @@ def write_page(
     searches: tuple[SearchDemo, ...],
     scene: SceneDemo | None,
     mechanism: MechanismDemo | None,
+    accepted: tuple[AcceptanceDemo, ...],
     replay: ReplayDemo | None,
     gap: GapDemo,
     out: Path,
@@ -55,6 +57,7 @@ def write_page(
         searches=searches,
         scene=scene,
         mechanism=mechanism,
+        accepted=accepted,
         replay=replay,
         gap=gap,
         pictures=_pictures(out, gap),

@@ -1,0 +1,44 @@
+"""`mana assets show` prints what the suites on a record found."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from typer.testing import CliRunner
+
+from assetkit.package.record import RECORD
+from cli.main import app
+from schemas.asset import Check, Margin, SuiteSection
+from schemas.diagnostics import finding
+
+
+def shown(folder: Path, acceptance: dict[str, object], diagnostics: Sequence[object]) -> str:
+    record = {"asset_id": "mug", "outcome": "accepted", "acceptance": acceptance, "diagnostics": diagnostics}
+    record |= {section: {} for section in ("geometry", "semantics", "physics", "source")}
+    (folder / RECORD).write_text(json.dumps(record))
+    result = CliRunner().invoke(app, ["assets", "show", str(folder)], catch_exceptions=False)
+    assert result.exit_code == 0
+    return result.output
+
+
+def test_margins_failed_figures_and_withdrawn_roles_are_printed(tmp_path: Path) -> None:
+    good = Check(name="held", value=1.0, bound=1.0, unit="", passed=True)
+    bad = Check(name="leans", value=7.5, bound=5.0, unit="deg", passed=False)
+    margin = Margin(quantity="friction", low=0.45, high=0.8, bounds=(0.3, 0.8))
+    suites = (
+        SuiteSection(name="manipulated", outcome="passed", checks=(good,), margins=(margin,)),
+        SuiteSection(name="receptacle", outcome="failed", checks=(good, bad)),
+    )
+    cause = finding("asset/receptacle-spill", "it leans", value=7.5, bound=5.0, unit="deg")
+    taken = finding("asset/role-withdrawn", "the role 'receptacle' is not borne out", because=(cause,))
+    findings = [each.model_dump(mode="json") for each in (cause, taken)]
+    said = shown(tmp_path, {"suites": [suite.model_dump(mode="json") for suite in suites]}, findings)
+    assert "1 of 1 checks; holds for friction >= 0.45" in said
+    assert "1 of 2 checks; leans: 7.5 deg, bound 5 deg" in said
+    assert said.count("is not borne out (it leans: 7.5 deg, bound 5 deg)") == 1
+
+
+def test_a_record_of_an_earlier_version_has_no_suites(tmp_path: Path) -> None:
+    assert "suites" not in shown(tmp_path, {"checks": []}, [])
