@@ -73,7 +73,7 @@ def _leftover(
         noise=noise,
         axes=_axes(lambda values: means(by_trial, values)[certain], applied, at, accelerations[certain], logs),
         forwards=means(by_trial, at.columns["qd"])[certain] > 0.0,
-        trials=np.repeat(np.arange(len(logs)), [m.mean.shape[0] for m in by_trial])[certain],
+        trials=np.repeat(np.arange(len(logs)), [m.stretches for m in by_trial])[certain],
     )
 
 

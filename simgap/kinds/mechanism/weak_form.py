@@ -24,10 +24,13 @@ class WeakMeans:
 
     mean           (b, n) of a quantity per row, smoothed as positions are.
     acceleration   (b, n) of the second derivative (1/s2) of positions that are smoothed.
+    stretches, rows  b and n.
     """
 
     mean: sparse.csr_array
     acceleration: sparse.csr_array
+    stretches: int
+    rows: int
 
 
 def weak_means(t_s: FloatArray, rows: int, smoothed_rows: int) -> WeakMeans:
@@ -50,6 +53,8 @@ def weak_means(t_s: FloatArray, rows: int, smoothed_rows: int) -> WeakMeans:
     return WeakMeans(
         _stretches(starts, np.convolve(weight / weight.sum(), cubic), len(even)) @ to_even,
         _stretches(starts, np.pad(curvature, len(cubic) // 2), len(even)) @ to_even,
+        len(starts),
+        len(t_s),
     )
 
 
@@ -64,7 +69,7 @@ def mean_accelerations(by_trial: Sequence[WeakMeans], positions: FloatArray) -> 
 
 
 def _by_trial(by_trial: Sequence[WeakMeans], values: FloatArray) -> zip[tuple[WeakMeans, FloatArray]]:
-    ends = np.cumsum([m.mean.shape[1] for m in by_trial])[:-1]
+    ends = np.cumsum([m.rows for m in by_trial])[:-1]
     return zip(by_trial, np.split(values, ends), strict=True)
 
 

@@ -39,4 +39,4 @@ def test_trials_below_one_another_do_not_mix() -> None:
     values = np.concatenate([np.zeros((200, 1)), np.ones((150, 1))])
     found = means(weak, values)[:, 0]
     assert sorted(set(found.round(9))) == [0.0, 1.0]
-    assert np.count_nonzero(found > 0.5) == weak[1].mean.shape[0]
+    assert np.count_nonzero(found > 0.5) == weak[1].stretches
