@@ -31,7 +31,7 @@ def accept_package(request: AcceptanceRequest) -> AcceptanceReport:
         return AcceptanceReport(findings=(invalid.diagnostic,))
     chosen = [s for s in SUITES if s.name in request.suites] if request.suites else suites_for(subject, SUITES)
     sections: list[SuiteSection] = []
-    findings: list[Diagnostic] = []
+    findings: list[Diagnostic] = list(subject.findings)
     for name, judge in ((GATE, _static), (OBJECT, _whole_object)):
         if not request.suites or name in request.suites:
             section, found = judge(subject, simulator)

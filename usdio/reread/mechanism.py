@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,7 +31,14 @@ def reread_mechanism(stage: Usd.Stage, bodies: list[Usd.Prim], main_file: Path) 
     """
     root = stage.GetDefaultPrim()
     frames = {prim.GetName(): _pose_in(prim, root) for prim in bodies}
-    prims = [prim for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)]
+    return mechanism_between(frames, [prim for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)], main_file)
+
+
+def mechanism_between(frames: dict[str, FloatArray], prims: Sequence[Usd.Prim], main_file: Path) -> Mechanism:
+    """The mechanism of bodies whose frames (4, 4) are rigid in the asset frame, from the prims of its joints.
+
+    Raises as `reread_mechanism` does.
+    """
     joints = tuple(_joint(prim, frames, main_file) for prim in prims)
     carried = {joint.child for joint in joints if not joint.closes_loop}
     order = [name for name in frames if name not in carried]

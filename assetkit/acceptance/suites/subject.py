@@ -7,16 +7,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
+from assetkit.acceptance.body_checks import body_checks
 from assetkit.acceptance.stable_poses import find_stable_poses
 from assetkit.acceptance.suites.suite import Subject
+from assetkit.affordances.grasps import grasps_along
 from assetkit.package.record import read_record
+from geom.grasp.gripper import LARGE, MEDIUM, SMALL
 from schemas.affordances import AffordanceEvidence, Grasp, Region
 from schemas.anchors import Anchor
 from schemas.articulation import JointUse
 from schemas.asset import AssetRecord, PhysicsSection, Role, StablePose
+from schemas.diagnostics import Location, finding
 from schemas.evidence import Evidence
 from sim.port import Simulator
 from usdio.reread.body import RereadPackage, reread_package
+from usdio.reread.foreign import reread_foreign
 
 # Below, a role is a guess that no suite is asked to prove.
 PROMISED = 0.5
@@ -25,17 +30,16 @@ PROMISED = 0.5
 def subject_on_disk(main_file: Path, simulator: Simulator, roles: Sequence[Role] = ()) -> Subject:
     """The package with this main USD file; `roles` replace those on record.
 
-    Without a record of Mana there are no roles, grasps or bounds but those stated; stable poses are found here. Raises
-    InvalidInput (`asset/package-invalid`) for a file that holds no complete body.
+    A package with a record of Mana is read as strictly as it was released. Others have no roles but those stated; they
+    are read by `usdio.reread.foreign`, whose findings the subject carries. Raises InvalidInput
+    (`asset/package-invalid`, `asset/foreign-unsupported`) for a file that holds no complete body.
     """
-    content = reread_package(main_file)
     record = record_of(main_file)
     if record is None:
-        bare = Subject(main_file, content, tuple(roles))
-        return bare if bare.is_articulated else replace(bare, poses=find_stable_poses(bare.body, simulator).poses)
+        return _foreign_subject(main_file, simulator, roles)
     subject = subject_of(
         main_file,
-        content,
+        reread_package(main_file),
         roles=record.semantics.roles,
         poses=[pose.value for pose in record.acceptance.stable_poses],
         affordances=record.affordances,
@@ -44,6 +48,30 @@ def subject_on_disk(main_file: Path, simulator: Simulator, roles: Sequence[Role]
         physics=record.physics,
     )
     return replace(subject, roles=tuple(roles)) if roles else subject
+
+
+def _foreign_subject(main_file: Path, simulator: Simulator, roles: Sequence[Role]) -> Subject:
+    """Stable poses are found here; grasps are made of the lines that the file states."""
+    package = reread_foreign(main_file)
+    subject = Subject(main_file, package.content, tuple(roles), findings=package.findings)
+    # What makes no sense at rest is not simulated: acceptance of the whole object says why.
+    sound = all(check.passed for body in subject.content.bodies for check in body_checks(body))
+    if subject.is_articulated or not sound:
+        return subject
+    subject = replace(subject, poses=find_stable_poses(subject.body, simulator).poses)
+    if not package.grasp_lines_m:
+        return subject
+    lines, reasons = package.grasp_lines_m, dict[str, None]()
+    for gripper in (MEDIUM, SMALL, LARGE):
+        made = grasps_along(lines, subject.body, subject.poses, gripper)
+        if made.grasps:
+            headline = f"{len(lines)} lines of grasps became {len(made.grasps)} grasps of the {gripper.name} gripper"
+            break
+        reasons[f"{made.reason} [{gripper.name}]"] = None
+    else:
+        headline = f"{len(lines)} lines of grasps became none: {'; '.join(reasons)}"
+    note = finding("asset/foreign-converted", headline, where=Location(file=main_file.name))
+    return replace(subject, grasps=made.grasps, findings=(*subject.findings, note))
 
 
 def subject_of(
