@@ -98,7 +98,7 @@ class _Reader:
             content = RereadPackage(body, contacts, *visual)
         else:
             content = self._linkage(prims, bodies, colliders, X_AW, units, visual)
-        return ForeignPackage(content, lines, tuple(self.findings))
+        return ForeignPackage(content, lines, _grouped(self.findings))
 
     def _prims(self) -> Iterator[Usd.Prim]:
         """All prims with those of instances, without copies of point instancers."""
@@ -235,10 +235,21 @@ class _Reader:
             raise unsupported(f"{len(bodies)} bodies without joints: each needs a file of its own", self._where())
         if len(set(names)) < len(names):
             raise unsupported("several bodies of the same name", self._where())
-        frames = {body.GetName(): X_AW @ _world(body) for body in bodies}
-        if any(np.abs(X[:3, :3].T @ X[:3, :3] - np.eye(3)).max() > EVEN for X in frames.values()):
-            raise unsupported("joints between bodies that are scaled, or in other units than metres", self._where())
-        mechanism = mechanism_between(frames, joints, self.main_file)
+        if units.metres != 1.0:
+            raise unsupported("joints in other units than metres", self._where())
+        frames: dict[str, FloatArray] = {}
+        scales: dict[str, FloatArray] = {}
+        for body in bodies:
+            X_AB = X_AW @ _world(body)
+            scale = np.linalg.norm(X_AB[:3, :3], axis=0)
+            rotation = X_AB[:3, :3] / scale
+            if not np.linalg.norm(rotation.T @ rotation - np.eye(3)) <= EVEN or np.linalg.det(rotation) < 0.0:
+                raise unsupported("joints between bodies that are sheared or mirrored", self._where(body))
+            if np.abs(scale - 1.0).max() > EVEN:
+                frames[body.GetName()], scales[body.GetName()] = pose(rotation, X_AB[:3, 3]), scale
+            else:
+                frames[body.GetName()] = X_AB
+        mechanism = mechanism_between(frames, joints, self.main_file, scales)
         by_name = {body.GetName(): body for body in bodies}
         links: list[RigidBody] = []
         contacts: list[Contact] = []
@@ -274,6 +285,17 @@ class _Reader:
 
     def _note(self, code: str, headline: str, prim: Usd.Prim | None = None) -> None:
         self.findings.append(finding(code, headline, where=self._where(prim)))
+
+
+def _grouped(findings: Sequence[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Findings of the same words once, at the first place, with the number of the others."""
+    groups: dict[tuple[str, str], list[Diagnostic]] = {}
+    for one in findings:
+        groups.setdefault((one.code, one.headline), []).append(one)
+    return tuple(
+        same[0] if len(same) == 1 else same[0].model_copy(update={"headline": f"{words} (at {len(same)} prims)"})
+        for (_, words), same in groups.items()
+    )
 
 
 def _is_body(prim: Usd.Prim) -> bool:

@@ -16,7 +16,7 @@ from geom.grasp.gripper import LARGE, MEDIUM, SMALL
 from schemas.affordances import AffordanceEvidence, Grasp, Region
 from schemas.anchors import Anchor
 from schemas.articulation import JointUse
-from schemas.asset import AssetRecord, PhysicsSection, Role, StablePose
+from schemas.asset import RECORD, AssetRecord, PhysicsSection, Role, StablePose
 from schemas.diagnostics import Location, finding
 from schemas.evidence import Evidence
 from sim.port import Simulator
@@ -30,16 +30,20 @@ PROMISED = 0.5
 def subject_on_disk(main_file: Path, simulator: Simulator, roles: Sequence[Role] = ()) -> Subject:
     """The package with this main USD file; `roles` replace those on record.
 
-    A package with a record of Mana is read as strictly as it was released. Others have no roles but those stated; they
-    are read by `usdio.reread.foreign`, whose findings the subject carries. Raises InvalidInput
+    A package with a record, also one that cannot be read or belongs elsewhere, is read as strictly as it was released.
+    Others are read by `usdio.reread.foreign`, whose findings the subject carries. Without a record that can be read
+    there are no roles but those stated. Raises InvalidInput
     (`asset/package-invalid`, `asset/foreign-unsupported`) for a file that holds no complete body.
     """
     record = record_of(main_file)
-    if record is None:
+    if record is None and not is_recorded(main_file):
         return _foreign_subject(main_file, simulator, roles)
+    content = reread_package(main_file)
+    if record is None:
+        return _bare_subject(main_file, content, simulator, roles)
     subject = subject_of(
         main_file,
-        reread_package(main_file),
+        content,
         roles=record.semantics.roles,
         poses=[pose.value for pose in record.acceptance.stable_poses],
         affordances=record.affordances,
@@ -50,16 +54,21 @@ def subject_on_disk(main_file: Path, simulator: Simulator, roles: Sequence[Role]
     return replace(subject, roles=tuple(roles)) if roles else subject
 
 
+def _bare_subject(main_file: Path, content: RereadPackage, simulator: Simulator, roles: Sequence[Role]) -> Subject:
+    """The subject of which nothing is on record; stable poses are found here, of a body that can be simulated."""
+    subject = Subject(main_file, content, tuple(roles))
+    if subject.is_articulated or not all(check.passed for check in body_checks(content.body)):
+        return subject  # Acceptance of the whole object says what is wrong.
+    return replace(subject, poses=find_stable_poses(subject.body, simulator).poses)
+
+
 def _foreign_subject(main_file: Path, simulator: Simulator, roles: Sequence[Role]) -> Subject:
-    """Stable poses are found here; grasps are made of the lines that the file states."""
+    """The subject of another maker; grasps are made of the lines that the file states, for the first of three sizes of
+    gripper that takes one.
+    """
     package = reread_foreign(main_file)
-    subject = Subject(main_file, package.content, tuple(roles), findings=package.findings)
-    # What makes no sense at rest is not simulated: acceptance of the whole object says why.
-    sound = all(check.passed for body in subject.content.bodies for check in body_checks(body))
-    if subject.is_articulated or not sound:
-        return subject
-    subject = replace(subject, poses=find_stable_poses(subject.body, simulator).poses)
-    if not package.grasp_lines_m:
+    subject = replace(_bare_subject(main_file, package.content, simulator, roles), findings=package.findings)
+    if not package.grasp_lines_m or not subject.poses:
         return subject
     lines, reasons = package.grasp_lines_m, dict[str, None]()
     for gripper in (MEDIUM, SMALL, LARGE):
@@ -104,6 +113,11 @@ def subject_of(
         else (contact.bounds[0].dynamic_friction, contact.bounds[1].dynamic_friction),
         mass_bounds_kg=physics.mass_kg.bounds,
     )
+
+
+def is_recorded(main_file: Path) -> bool:
+    """Whether a record lies where packages of Mana have theirs, of whatever content."""
+    return len(main_file.parents) > 1 and (main_file.parents[1] / RECORD).exists()
 
 
 def record_of(main_file: Path) -> AssetRecord | None:
