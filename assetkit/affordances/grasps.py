@@ -95,12 +95,11 @@ def grasps_along(
     lengths = np.linalg.norm(along, axis=1)
     middle, along = ends.mean(axis=1)[lengths > 0.0], along[lengths > 0.0] / lengths[lengths > 0.0, None]
     away = union.size + np.linalg.norm(middle - body.mass.centre_of_mass_m, axis=1, keepdims=True)
-    first = middle - away * along
-    first = first + union.first_entry(first, along)[:, None] * along
-    last = middle + away * along
-    last = last - union.first_entry(last, -along)[:, None] * along
-    met = np.isfinite(first).all(axis=1) & np.isfinite(last).all(axis=1)
-    pairs = AntipodalPairs(first[met], last[met], np.zeros(int(met.sum())))
+    first, last = middle - away * along, middle + away * along
+    depth = np.stack([union.first_entry(first, along), union.first_entry(last, -along)], axis=1)
+    met = np.isfinite(depth).all(axis=1)
+    first, last, along, depth = first[met], last[met], along[met], depth[met]
+    pairs = AntipodalPairs(first + depth[:, :1] * along, last - depth[:, 1:] * along, np.zeros(len(along)))
     pairs = pairs.take(np.flatnonzero((pairs.width_m >= LEAST_M) & (pairs.width_m <= gripper.widest_m())))
     if not len(pairs.angle_rad):
         return GraspProposals(

@@ -4,6 +4,7 @@
 
 LIBRARY is a library of released packages, or one package. A row per package: suites at the values of the package, and
 what other steps of the engine and the ends of the bounds of friction and mass take in addition (where a suite passes).
+Without a role only the suite of every object runs; packages with one have medians of their own.
 Seconds are processor time of this one process, without loading libraries and without reading the package. Targets:
 medians of 3 s for a rigid prop, 6 s for a mechanism, and in addition at most as much again.
 
@@ -91,7 +92,8 @@ def main() -> None:
             rows.append(measure(subject, simulator))
             print(line(rows[-1]), flush=True)
         for kind in TARGET_S:
-            print_median(kind, [row for row in rows if row.kind == kind])
+            print_median(kind, "packages", [row for row in rows if row.kind == kind])
+            print_median(kind, "with a role", [row for row in rows if row.kind == kind and row.suites > 1])
         rigid = [subject for subject in subjects if not subject.is_articulated]
         if arguments.worlds and rigid:
             grown = memory_growth(rigid, simulator, arguments.worlds)
@@ -142,13 +144,13 @@ def line(row: Row) -> str:
     return f"{row.name:32} {row.kind:6} {row.suites} suites {row.nominal_s:7.2f} s {row.varied_s:+7.2f} s{failed}"
 
 
-def print_median(kind: str, rows: Sequence[Row]) -> None:
+def print_median(kind: str, which: str, rows: Sequence[Row]) -> None:
     """Medians and largest figures of packages of one kind, beside the targets; nothing without packages."""
     if not rows:
         return
     nominal, varied = [row.nominal_s for row in rows], [row.varied_s for row in rows]
     print(
-        f"{kind}, {len(rows)} packages: median {statistics.median(nominal):.2f} s (target {TARGET_S[kind]:.0f}), "
+        f"{kind}, {len(rows)} {which}: median {statistics.median(nominal):.2f} s (target {TARGET_S[kind]:.0f}), "
         f"most {max(nominal):.2f} s; other conditions: median {statistics.median(varied):+.2f} s "
         f"(target {TARGET_S[kind]:.0f}), most {max(varied):+.2f} s"
     )

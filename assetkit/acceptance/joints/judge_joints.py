@@ -44,7 +44,8 @@ def judge_joints(
     """Checks and findings on all joints of a package; nothing for a rigid one.
 
     `content` was re-read from `main_file`; `declared` is the mechanism that it should hold, in the asset frame. For
-    `contacts` and `anchors` see `joint_tasks`. `has_twins`: it is of Mana, so that URDF and MJCF must agree. Codes: those of `schemas.codes.joints`.
+    `contacts` and `anchors` see `joint_tasks`. `has_twins`: it is of Mana, so that URDF and MJCF must
+    agree. Codes: those of `schemas.codes.joints`.
     """
     if content.mechanism is None:
         return JudgedJoint((), ())

@@ -87,7 +87,7 @@ def test_only_the_suites_that_are_named_run_and_quick_leaves_other_conditions_ou
     done = run(str(file), "--suite", "object")
     assert done.exit_code == 0
     assert "passed   object" in done.stdout
-    assert "manipulated" not in done.stdout
+    assert "common" not in done.stdout
 
 
 def test_only_thorough_runs_have_repeats(library: Path) -> None:
