@@ -10,9 +10,11 @@ import pytest
 import trimesh
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 
+from geom.convex.hull import volume
 from geom.convex.support_function import bounds
 from schemas.diagnostics import Diagnostic, InvalidInput
 from tests.support.gate_packages import cabinet, prop
+from tests.support.present import present
 from usdio.reread.body import reread_package
 from usdio.reread.foreign import ForeignPackage, reread_foreign
 
@@ -135,7 +137,7 @@ def test_joints_on_bodies_that_are_turned_and_scaled_are_where_the_stage_has_the
     joint.CreateAxisAttr("Y")  # of the bodies: -x of the stage
     joint.CreateLocalPos0Attr(Gf.Vec3f(0.0, -0.75, 0.0))
     joint.CreateLocalPos1Attr(Gf.Vec3f(0.0, 0.75, 0.0))
-    (hinge,) = made.read(tmp_path).content.mechanism.joints
+    (hinge,) = present(made.read(tmp_path).content.mechanism).joints
     np.testing.assert_allclose(hinge.axis, [-1.0, 0.0, 0.0], atol=1e-6)
     np.testing.assert_allclose(hinge.anchor, [0.0, 0.0, 0.1], atol=1e-6)  # in the middle of both
 
@@ -365,3 +367,20 @@ def test_what_cannot_be_exercised_is_refused_with_the_reason(
         made.read(tmp_path)
     assert refused.value.diagnostic.code == "asset/foreign-unsupported"
     assert words in refused.value.diagnostic.headline
+
+
+def test_mirrored_colliders_stay_outward_and_proper(tmp_path: Path) -> None:
+    made = Maker()
+    UsdGeom.Xformable(made.body).AddScaleOp().Set(Gf.Vec3f(-1.0, 1.0, 1.0))
+    made.rub(made.mesh(CORNERS, [4] * 6, QUADS, "none"))
+    UsdGeom.Xformable(made.cube("cube", x=0.3)).AddRotateZOp().Set(30.0)
+    made.weigh(density=DENSITY)
+    shapes = made.read(tmp_path).content.body.shapes
+    assert {shape.kind for shape in shapes} == {"hull", "box"}
+    for shape in shapes:
+        if shape.points is None:
+            assert np.linalg.det(shape.X_AS[:3, :3]) == pytest.approx(1.0)
+            along_x = np.abs(shape.X_AS[:3, :3] @ [1.0, 0.0, 0.0])
+            assert along_x.max() == pytest.approx(np.cos(np.radians(30.0)), abs=1e-6)
+        else:
+            assert volume(shape.points, present(shape.triangles)) == pytest.approx(0.2 * 0.1 * 0.1, rel=1e-5)
