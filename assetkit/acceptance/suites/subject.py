@@ -63,8 +63,8 @@ def _bare_subject(main_file: Path, content: RereadPackage, simulator: Simulator,
 
 
 def _foreign_subject(main_file: Path, simulator: Simulator, roles: Sequence[Role]) -> Subject:
-    """The subject of another maker; grasps are made of the lines that the file states, for the first of three sizes of
-    gripper that takes one.
+    """The subject of another maker; its grasps close along the lines that the file states, with the first of three
+    sizes of gripper that can.
     """
     package = reread_foreign(main_file)
     subject = replace(_bare_subject(main_file, package.content, simulator, roles), findings=package.findings)
@@ -72,15 +72,17 @@ def _foreign_subject(main_file: Path, simulator: Simulator, roles: Sequence[Role
         return subject
     lines, reasons = package.grasp_lines_m, dict[str, None]()
     for gripper in (MEDIUM, SMALL, LARGE):
-        made = grasps_along(lines, subject.body, subject.poses, gripper)
-        if made.grasps:
-            headline = f"{len(lines)} lines of grasps became {len(made.grasps)} grasps of the {gripper.name} gripper"
+        proposed = grasps_along(lines, subject.body, subject.poses, gripper)
+        if proposed.grasps:
+            headline = (
+                f"{len(lines)} lines of grasps became {len(proposed.grasps)} grasps of the {gripper.name} gripper"
+            )
             break
-        reasons[f"{made.reason} [{gripper.name}]"] = None
+        reasons[f"{proposed.reason} [{gripper.name}]"] = None
     else:
         headline = f"{len(lines)} lines of grasps became none: {'; '.join(reasons)}"
     note = finding("asset/foreign-converted", headline, where=Location(file=main_file.name))
-    return replace(subject, grasps=made.grasps, findings=(*subject.findings, note))
+    return replace(subject, grasps=proposed.grasps, findings=(*subject.findings, note))
 
 
 def subject_of(

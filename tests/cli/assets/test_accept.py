@@ -130,10 +130,10 @@ def test_usd_of_another_maker_in_centimetres_is_exercised_and_assumptions_are_na
     code, reports = read(str(tmp_path / "brick.usda"), "--role", "manipulated", "--quick", "--suite", "manipulated")
     (report,) = reports.values()
     assert (code, outcomes(report)) == (0, {"manipulated": "passed"})
-    said = {finding["headline"]: finding["severity"] for finding in report["findings"]}
-    assert [level for words, level in said.items() if "friction 0.5" in words] == ["warning"]
-    assert [level for words, level in said.items() if "0.01 m" in words] == ["info"]
-    assert [level for words, level in said.items() if "Y is up" in words] == ["info"]
+    severities = {finding["headline"]: finding["severity"] for finding in report["findings"]}
+    assert [level for words, level in severities.items() if "friction 0.5" in words] == ["warning"]
+    assert [level for words, level in severities.items() if "0.01 m" in words] == ["info"]
+    assert [level for words, level in severities.items() if "Y is up" in words] == ["info"]
 
 
 def test_what_cannot_be_exercised_fails_with_a_code(tmp_path: Path) -> None:

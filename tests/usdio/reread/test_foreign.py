@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
@@ -80,10 +81,10 @@ class Maker:
 
 
 def complete(**fields) -> Maker:
-    made = Maker(**fields)
-    made.rub(made.cube())
-    made.weigh(density=DENSITY * made.metres**3)
-    return made
+    maker = Maker(**fields)
+    maker.rub(maker.cube())
+    maker.weigh(density=DENSITY * maker.metres**3)
+    return maker
 
 
 def about(findings: tuple[Diagnostic, ...], word: str) -> list[Diagnostic]:
@@ -120,24 +121,24 @@ def test_joints_are_read_and_what_holds_the_base_is_left_out(tmp_path: Path) -> 
 
 
 def test_joints_on_bodies_that_are_turned_and_scaled_are_where_the_stage_has_them(tmp_path: Path) -> None:
-    made = complete()
-    made.body.RemoveAPI(UsdPhysics.RigidBodyAPI)
-    made.stage.RemovePrim("/Thing/shape")
+    maker = complete()
+    maker.body.RemoveAPI(UsdPhysics.RigidBodyAPI)
+    maker.stage.RemovePrim("/Thing/shape")
     for name, x in (("left", 0.0), ("right", 0.3)):
-        cube = UsdGeom.Cube.Define(made.stage, f"/Thing/{name}")
+        cube = UsdGeom.Cube.Define(maker.stage, f"/Thing/{name}")
         cube.CreateSizeAttr(1.0)
         cube.AddTranslateOp().Set(Gf.Vec3d(x, 0.0, 0.1))
         cube.AddRotateZOp().Set(90.0)
         cube.AddScaleOp().Set(Gf.Vec3f(0.1, 0.2, 0.2))  # 0.2 along x, 0.1 along y of the stage
-        UsdPhysics.RigidBodyAPI.Apply(made.collide(cube.GetPrim()))
-        made.weigh(cube.GetPrim(), mass=1.0)
-    joint = UsdPhysics.RevoluteJoint.Define(made.stage, "/Thing/hinge")
+        UsdPhysics.RigidBodyAPI.Apply(maker.collide(cube.GetPrim()))
+        maker.weigh(cube.GetPrim(), mass=1.0)
+    joint = UsdPhysics.RevoluteJoint.Define(maker.stage, "/Thing/hinge")
     joint.CreateBody0Rel().SetTargets(["/Thing/left"])
     joint.CreateBody1Rel().SetTargets(["/Thing/right"])
     joint.CreateAxisAttr("Y")  # of the bodies: -x of the stage
     joint.CreateLocalPos0Attr(Gf.Vec3f(0.0, -0.75, 0.0))
     joint.CreateLocalPos1Attr(Gf.Vec3f(0.0, 0.75, 0.0))
-    (hinge,) = present(made.read(tmp_path).content.mechanism).joints
+    (hinge,) = present(maker.read(tmp_path).content.mechanism).joints
     np.testing.assert_allclose(hinge.axis, [-1.0, 0.0, 0.0], atol=1e-6)
     np.testing.assert_allclose(hinge.anchor, [0.0, 0.0, 0.1], atol=1e-6)  # in the middle of both
 
@@ -155,12 +156,12 @@ def test_units_and_up_axis_are_scaled_and_turned_into_metres_and_z(metres: float
 
 
 def test_stated_mass_centre_and_inertia_are_converted_with_the_units(tmp_path: Path) -> None:
-    made = complete(metres=0.01, up="Y")
-    api = UsdPhysics.MassAPI(made.body)
+    maker = complete(metres=0.01, up="Y")
+    api = UsdPhysics.MassAPI(maker.body)
     api.CreateMassAttr(2.0)
-    api.CreateCenterOfMassAttr(Gf.Vec3f(made.at(0.01, 0.02, 0.03)))
+    api.CreateCenterOfMassAttr(Gf.Vec3f(maker.at(0.01, 0.02, 0.03)))
     api.CreateDiagonalInertiaAttr(Gf.Vec3f(10.0, 20.0, 30.0))  # kg cm2, axes of the stage: its y is our z
-    mass = made.read(tmp_path).content.body.mass
+    mass = maker.read(tmp_path).content.body.mass
     assert mass.mass_kg == 2.0
     np.testing.assert_allclose(np.sort(np.diag(mass.inertia_kgm2)), [1e-3, 2e-3, 3e-3], rtol=1e-6)
     assert mass.inertia_kgm2[2, 2] == pytest.approx(2e-3)
@@ -168,40 +169,40 @@ def test_stated_mass_centre_and_inertia_are_converted_with_the_units(tmp_path: P
 
 
 def test_friction_that_no_material_states_is_assumed_and_said(tmp_path: Path) -> None:
-    made = Maker()
-    made.cube()
-    made.weigh(density=DENSITY)
-    read = made.read(tmp_path)
+    maker = Maker()
+    maker.cube()
+    maker.weigh(density=DENSITY)
+    read = maker.read(tmp_path)
     assert (read.content.body.contact.static_friction, read.content.body.contact.restitution) == (0.5, 0.0)
     (said,) = about(read.findings, "friction 0.5")
     assert (said.code, said.severity) == ("asset/foreign-assumed", "warning")
 
 
 def test_a_material_without_friction_has_that_of_the_schema(tmp_path: Path) -> None:
-    made = Maker()
-    made.rub(made.cube(), friction=None)
-    made.weigh(density=DENSITY)
-    read = made.read(tmp_path)
+    maker = Maker()
+    maker.rub(maker.cube(), friction=None)
+    maker.weigh(density=DENSITY)
+    read = maker.read(tmp_path)
     assert read.content.body.contact.dynamic_friction == 0.0
     assert len(about(read.findings, "states no staticFriction and no dynamicFriction")) == 1
 
 
-def on_body(made: Maker) -> None:
-    made.weigh(mass=3.0)
-    made.weigh(made.stage.GetPrimAtPath("/Thing/shape"), density=7.0)
+def on_body(maker: Maker) -> None:
+    maker.weigh(mass=3.0)
+    maker.weigh(maker.stage.GetPrimAtPath("/Thing/shape"), density=7.0)
 
 
-def on_collider(made: Maker) -> None:
-    made.weigh(density=7.0)
-    made.weigh(made.stage.GetPrimAtPath("/Thing/shape"), density=DENSITY)
+def on_collider(maker: Maker) -> None:
+    maker.weigh(density=7.0)
+    maker.weigh(maker.stage.GetPrimAtPath("/Thing/shape"), density=DENSITY)
 
 
-def collider_mass(made: Maker) -> None:
-    made.weigh(made.stage.GetPrimAtPath("/Thing/shape"), mass=5.0)
+def collider_mass(maker: Maker) -> None:
+    maker.weigh(maker.stage.GetPrimAtPath("/Thing/shape"), mass=5.0)
 
 
-def of_material(made: Maker) -> None:
-    UsdPhysics.MaterialAPI(made.stage.GetPrimAtPath("/Thing/Rubber")).CreateDensityAttr(600.0)
+def of_material(maker: Maker) -> None:
+    UsdPhysics.MaterialAPI(maker.stage.GetPrimAtPath("/Thing/Rubber")).CreateDensityAttr(600.0)
 
 
 @pytest.mark.parametrize(
@@ -211,29 +212,29 @@ def of_material(made: Maker) -> None:
         (on_collider, MASS, "density 400 kg/m3 of 'shape'"),
         (collider_mass, 5.0, "masses of colliders"),
         (of_material, 0.6, "density 600 kg/m3 of the material 'Rubber'"),
-        (lambda made: None, 1.0, "1000 kg/m3 that UsdPhysics takes"),
+        (lambda maker: None, 1.0, "1000 kg/m3 that UsdPhysics takes"),
     ],
 )
 def test_mass_follows_the_rules_of_usd_physics(
     state: Callable[[Maker], None], mass_kg: float, words: str, tmp_path: Path
 ) -> None:
-    made = Maker()
-    made.rub(made.cube())
-    state(made)
-    read = made.read(tmp_path)
+    maker = Maker()
+    maker.rub(maker.cube())
+    state(maker)
+    read = maker.read(tmp_path)
     assert read.content.body.mass.mass_kg == pytest.approx(mass_kg, rel=1e-5)
     np.testing.assert_allclose(read.content.body.mass.inertia_kgm2, mass_kg * EDGE**2 / 6.0 * np.eye(3), rtol=1e-4)
     assert [f.code for f in about(read.findings, words)] == ["asset/foreign-assumed"]
 
 
 def test_a_body_below_the_default_prim_that_is_turned_keeps_its_place(tmp_path: Path) -> None:
-    made = Maker(body="/Thing/Deep/Body")
-    UsdGeom.Xformable(made.stage.GetPrimAtPath("/Thing")).AddTranslateOp().Set(Gf.Vec3d(1.0, 2.0, 3.0))
-    UsdGeom.Xformable(made.body).AddRotateZOp().Set(90.0)
-    made.rub(made.cube(x=0.2))
-    made.cube("other", x=-0.2)
-    made.weigh(density=DENSITY)
-    read = made.read(tmp_path)
+    maker = Maker(body="/Thing/Deep/Body")
+    UsdGeom.Xformable(maker.stage.GetPrimAtPath("/Thing")).AddTranslateOp().Set(Gf.Vec3d(1.0, 2.0, 3.0))
+    UsdGeom.Xformable(maker.body).AddRotateZOp().Set(90.0)
+    maker.rub(maker.cube(x=0.2))
+    maker.cube("other", x=-0.2)
+    maker.weigh(density=DENSITY)
+    read = maker.read(tmp_path)
     np.testing.assert_allclose(bounds(read.content.body.shapes), [[-0.05, -0.25, 0.0], [0.05, 0.25, 0.1]], atol=1e-6)
     np.testing.assert_allclose(read.content.body.mass.centre_of_mass_m, [0.0, 0.0, 0.05], atol=1e-6)
     assert about(read.findings, "bottom centre")
@@ -243,12 +244,11 @@ def test_a_body_below_the_default_prim_that_is_turned_keeps_its_place(tmp_path: 
 QUADS = [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3]
 CORNERS = [(x, y, z) for x in (-0.1, 0.1) for y in (-0.05, 0.05) for z in (0.0, 0.1)]
 BALL = trimesh.creation.icosphere(subdivisions=3, radius=0.05)
-ANGLE = trimesh.util.concatenate(
-    [
-        trimesh.creation.box(bounds=[[0, 0, 0], [0.2, 0.1, 0.02]]),
-        trimesh.creation.box(bounds=[[0, 0, 0.03], [0.02, 0.1, 0.2]]),
-    ]
-)
+_SLABS = [
+    trimesh.creation.box(bounds=[[0, 0, 0], [0.2, 0.1, 0.02]]),
+    trimesh.creation.box(bounds=[[0, 0, 0.03], [0.02, 0.1, 0.2]]),
+]
+ANGLE = cast(trimesh.Trimesh, trimesh.util.concatenate(_SLABS))
 
 
 @pytest.mark.parametrize(
@@ -264,14 +264,14 @@ ANGLE = trimesh.util.concatenate(
     ],
 )
 def test_meshes_become_what_their_approximation_names(source, approximation: str, kinds: list, tmp_path: Path) -> None:
-    made = Maker()
+    maker = Maker()
     if source is None:
-        prim = made.mesh(CORNERS, [4] * 6, QUADS, approximation)
+        prim = maker.mesh(CORNERS, [4] * 6, QUADS, approximation)
     else:
-        prim = made.mesh(source.vertices, [3] * len(source.faces), source.faces.ravel(), approximation)
-    made.rub(prim)
-    made.weigh(mass=1.0)
-    read = made.read(tmp_path)
+        prim = maker.mesh(source.vertices, [3] * len(source.faces), source.faces.ravel(), approximation)
+    maker.rub(prim)
+    maker.weigh(mass=1.0)
+    read = maker.read(tmp_path)
     shapes = read.content.body.shapes
     assert [shape.kind for shape in shapes] == kinds
     points = np.array(CORNERS) if source is None else source.vertices
@@ -284,27 +284,27 @@ def test_meshes_become_what_their_approximation_names(source, approximation: str
 
 
 def test_colliders_in_an_instance_count(tmp_path: Path) -> None:
-    made = Maker()
-    UsdGeom.Xform.Define(made.stage, "/Template")
-    cube = UsdGeom.Cube.Define(made.stage, "/Template/cube")
+    maker = Maker()
+    UsdGeom.Xform.Define(maker.stage, "/Template")
+    cube = UsdGeom.Cube.Define(maker.stage, "/Template/cube")
     cube.CreateSizeAttr(EDGE)
-    made.collide(cube.GetPrim())
-    part = UsdGeom.Xform.Define(made.stage, "/Thing/part").GetPrim()
+    maker.collide(cube.GetPrim())
+    part = UsdGeom.Xform.Define(maker.stage, "/Thing/part").GetPrim()
     part.GetReferences().AddInternalReference(Sdf.Path("/Template"))
     part.SetInstanceable(True)
-    made.weigh(mass=1.0)
-    assert len(made.read(tmp_path).content.body.shapes) == 1
+    maker.weigh(mass=1.0)
+    assert len(maker.read(tmp_path).content.body.shapes) == 1
 
 
 def test_lines_of_grasps_come_in_the_frame_of_the_asset(tmp_path: Path) -> None:
-    made = complete(metres=0.01, up="Y")
-    line = UsdGeom.BasisCurves.Define(made.stage, "/Thing/grasp_identifier_01")
-    line.CreatePointsAttr([Gf.Vec3f(made.at(-0.06, 0.0, 0.05)), Gf.Vec3f(made.at(0.06, 0.0, 0.05))])
-    frame = UsdGeom.Xform.Define(made.stage, "/Thing/grasp_identifier_02")
-    child = UsdGeom.BasisCurves.Define(made.stage, frame.GetPath().AppendChild("line"))
-    child.CreatePointsAttr([Gf.Vec3f(made.at(0.0, -0.06, 0.05)), Gf.Vec3f(made.at(0.0, 0.06, 0.05))])
-    UsdGeom.BasisCurves.Define(made.stage, "/Thing/grasp_identifier_03").CreatePointsAttr([Gf.Vec3f(0.0)])
-    read = made.read(tmp_path)
+    maker = complete(metres=0.01, up="Y")
+    line = UsdGeom.BasisCurves.Define(maker.stage, "/Thing/grasp_identifier_01")
+    line.CreatePointsAttr([Gf.Vec3f(maker.at(-0.06, 0.0, 0.05)), Gf.Vec3f(maker.at(0.06, 0.0, 0.05))])
+    frame = UsdGeom.Xform.Define(maker.stage, "/Thing/grasp_identifier_02")
+    child = UsdGeom.BasisCurves.Define(maker.stage, frame.GetPath().AppendChild("line"))
+    child.CreatePointsAttr([Gf.Vec3f(maker.at(0.0, -0.06, 0.05)), Gf.Vec3f(maker.at(0.0, 0.06, 0.05))])
+    UsdGeom.BasisCurves.Define(maker.stage, "/Thing/grasp_identifier_03").CreatePointsAttr([Gf.Vec3f(0.0)])
+    read = maker.read(tmp_path)
     lines = np.array(read.grasp_lines_m)
     assert lines.shape == (2, 2, 3)
     np.testing.assert_allclose(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1), 0.12, rtol=1e-5)
@@ -312,37 +312,37 @@ def test_lines_of_grasps_come_in_the_frame_of_the_asset(tmp_path: Path) -> None:
     assert len(about(read.findings, "without a line of two points")) == 1
 
 
-def two_bodies(made: Maker) -> None:
-    made.rub(made.cube())
-    UsdPhysics.RigidBodyAPI.Apply(UsdGeom.Xform.Define(made.stage, "/Thing/Other").GetPrim())
-    made.collide(UsdGeom.Cube.Define(made.stage, "/Thing/Other/shape").GetPrim())
+def two_bodies(maker: Maker) -> None:
+    maker.rub(maker.cube())
+    UsdPhysics.RigidBodyAPI.Apply(UsdGeom.Xform.Define(maker.stage, "/Thing/Other").GetPrim())
+    maker.collide(UsdGeom.Cube.Define(maker.stage, "/Thing/Other/shape").GetPrim())
 
 
-def not_moving(made: Maker) -> None:
-    made.cube()
-    UsdPhysics.RigidBodyAPI(made.body).CreateRigidBodyEnabledAttr(False)
+def not_moving(maker: Maker) -> None:
+    maker.cube()
+    UsdPhysics.RigidBodyAPI(maker.body).CreateRigidBodyEnabledAttr(False)
 
 
-def nan_mass(made: Maker) -> None:
-    made.cube()
-    made.weigh(mass=float("nan"))
+def nan_mass(maker: Maker) -> None:
+    maker.cube()
+    maker.weigh(mass=float("nan"))
 
 
-def concave(made: Maker) -> None:
-    made.mesh(ANGLE.vertices, [3] * len(ANGLE.faces), ANGLE.faces.ravel(), "none")
+def concave(maker: Maker) -> None:
+    maker.mesh(ANGLE.vertices, [3] * len(ANGLE.faces), ANGLE.faces.ravel(), "none")
 
 
-def on_a_group(made: Maker) -> None:
-    made.collide(UsdGeom.Xform.Define(made.stage, "/Thing/group").GetPrim())
+def on_a_group(maker: Maker) -> None:
+    maker.collide(UsdGeom.Xform.Define(maker.stage, "/Thing/group").GetPrim())
 
 
-def flat(made: Maker) -> None:
-    made.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [3], [0, 1, 2], "convexHull")
+def flat(maker: Maker) -> None:
+    maker.mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [3], [0, 1, 2], "convexHull")
 
 
-def negative_friction(made: Maker) -> None:
-    made.rub(made.cube(), friction=-1.0)
-    made.weigh(mass=1.0)
+def negative_friction(maker: Maker) -> None:
+    maker.rub(maker.cube(), friction=-1.0)
+    maker.weigh(mass=1.0)
 
 
 @pytest.mark.parametrize(
@@ -354,28 +354,28 @@ def negative_friction(made: Maker) -> None:
         (concave, "not convex, with approximation 'none'"),
         (on_a_group, "a collider of type 'Xform'"),
         (flat, "spans no volume"),
-        (lambda made: None, "a body without colliders"),
+        (lambda maker: None, "a body without colliders"),
         (negative_friction, "friction or restitution is no number"),
     ],
 )
 def test_what_cannot_be_exercised_is_refused_with_the_reason(
     author: Callable[[Maker], None], words: str, tmp_path: Path
 ) -> None:
-    made = Maker()
-    author(made)
+    maker = Maker()
+    author(maker)
     with pytest.raises(InvalidInput) as refused:
-        made.read(tmp_path)
+        maker.read(tmp_path)
     assert refused.value.diagnostic.code == "asset/foreign-unsupported"
     assert words in refused.value.diagnostic.headline
 
 
 def test_mirrored_colliders_stay_outward_and_proper(tmp_path: Path) -> None:
-    made = Maker()
-    UsdGeom.Xformable(made.body).AddScaleOp().Set(Gf.Vec3f(-1.0, 1.0, 1.0))
-    made.rub(made.mesh(CORNERS, [4] * 6, QUADS, "none"))
-    UsdGeom.Xformable(made.cube("cube", x=0.3)).AddRotateZOp().Set(30.0)
-    made.weigh(density=DENSITY)
-    shapes = made.read(tmp_path).content.body.shapes
+    maker = Maker()
+    UsdGeom.Xformable(maker.body).AddScaleOp().Set(Gf.Vec3f(-1.0, 1.0, 1.0))
+    maker.rub(maker.mesh(CORNERS, [4] * 6, QUADS, "none"))
+    UsdGeom.Xformable(maker.cube("cube", x=0.3)).AddRotateZOp().Set(30.0)
+    maker.weigh(density=DENSITY)
+    shapes = maker.read(tmp_path).content.body.shapes
     assert {shape.kind for shape in shapes} == {"hull", "box"}
     for shape in shapes:
         if shape.points is None:
