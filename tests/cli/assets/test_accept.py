@@ -90,6 +90,7 @@ def test_only_the_suites_that_are_named_run_and_quick_leaves_other_conditions_ou
     assert "common" not in done.stdout
 
 
+@pytest.mark.long
 def test_only_thorough_runs_have_repeats(library: Path) -> None:
     words = (str(library / "block"), "--suite", "manipulated", "--role", "manipulated")
     (slow,), (quick,) = (read(*words)[1]["block"]["suites"], read(*words, "--quick")[1]["block"]["suites"])
@@ -144,7 +145,11 @@ def test_what_cannot_be_exercised_fails_with_a_code(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("engine", "code"), [("os:abort", "asset/worker-crashed"), ("signal:pause", "asset/worker-timeout")]
+    ("engine", "code"),
+    [
+        ("os:abort", "asset/worker-crashed"),
+        pytest.param("signal:pause", "asset/worker-timeout", marks=pytest.mark.long),
+    ],
 )
 def test_an_engine_that_crashes_or_hangs_on_a_package_affects_no_other(engine: str, code: str, library: Path) -> None:
     files = sorted(library.glob("*/usd/*.usda"))
