@@ -309,7 +309,9 @@ class StablePose(_Section):
 
 
 class Check(_Section):
-    """One acceptance figure against its bound."""
+    """One acceptance figure against its bound; JSON has infinite ones and NaN as words."""
+
+    model_config = ConfigDict(ser_json_inf_nan="strings")
 
     name: str
     value: float

@@ -10,12 +10,13 @@ import numpy as np
 
 from assetkit.affordances.named_regions import DIGITS
 from geom.convex.convex_union import ConvexUnion
-from geom.grasp.antipodal import AntipodalPairs, antipodal_pairs
+from geom.grasp.antipodal import LEAST_M, AntipodalPairs, antipodal_pairs
 from geom.grasp.contact_patches import contact_patches, holding_force
 from geom.grasp.gripper import Gripper, boxes, lowest
 from geom.mesh.farthest_points import farthest_points
 from geom.pose import matrix_of, quat_of
 from schemas.affordances import Grasp
+from schemas.anchors import Point3
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.asset import StablePose, vec3
 from schemas.physical_constants import GRAVITY_MPS2
@@ -64,20 +65,68 @@ def propose_grasps(
     touches, and of the share of the force that is left, to the fourth root; it loses up to half for the chance of poses
     in which the grasp is not free.
     """
-    friction = pad_friction(body.contact)
-    cone_rad = math.atan(friction)
-    weight_n = body.mass.mass_kg * GRAVITY_MPS2
-    least_n = SAFETY * weight_n / (2.0 * friction)
-    if least_n > gripper.force_n:
-        return GraspProposals(
-            (), f"it weighs {body.mass.mass_kg:.3g} kg: {least_n:.3g} N a finger, more than a gripper has"
-        )
+    if reason := _too_heavy(body, gripper):
+        return GraspProposals((), reason)
     union = ConvexUnion(body.shapes)
-    pairs = antipodal_pairs(union, cone_rad, gripper.widest_m())
+    pairs = antipodal_pairs(union, math.atan(pad_friction(body.contact)), gripper.widest_m())
     if not len(pairs.angle_rad):
         return GraspProposals(
             (), f"nothing of it is at most {1000 * gripper.widest_m():.0f} mm wide between parallel sides"
         )
+    return _grasps_of(pairs, union, body, poses, gripper, obstacles)
+
+
+def grasps_along(
+    lines_m: Sequence[tuple[Point3, Point3]],
+    body: RigidBody,
+    poses: Sequence[StablePose],
+    gripper: Gripper = Gripper(),
+) -> GraspProposals:
+    """Up to 16 grasps whose pads close along the given lines (two ends each, asset frame), as `propose_grasps`.
+
+    The pads touch where a line, extended to both sides, first enters the colliders; a line that misses them, or
+    along which they are wider than the gripper, gives none.
+    """
+    if reason := _too_heavy(body, gripper):
+        return GraspProposals((), reason)
+    union = ConvexUnion(body.shapes)
+    ends = np.asarray(lines_m, dtype=np.float64).reshape(-1, 2, 3)
+    along = ends[:, 1] - ends[:, 0]
+    lengths = np.linalg.norm(along, axis=1)
+    middle, along = ends.mean(axis=1)[lengths > 0.0], along[lengths > 0.0] / lengths[lengths > 0.0, None]
+    away = union.size + np.linalg.norm(middle - body.mass.centre_of_mass_m, axis=1, keepdims=True)
+    first, last = middle - away * along, middle + away * along
+    depth = np.stack([union.first_entry(first, along), union.first_entry(last, -along)], axis=1)
+    met = np.isfinite(depth).all(axis=1)
+    first, last, along, depth = first[met], last[met], along[met], depth[met]
+    pairs = AntipodalPairs(first + depth[:, :1] * along, last - depth[:, 1:] * along, np.zeros(len(along)))
+    pairs = pairs.take(np.flatnonzero((pairs.width_m >= LEAST_M) & (pairs.width_m <= gripper.widest_m())))
+    if not len(pairs.angle_rad):
+        return GraspProposals(
+            (), f"no line crosses a part at most {1000 * gripper.widest_m():.0f} mm wide of the colliders"
+        )
+    return _grasps_of(pairs, union, body, poses, gripper, ())
+
+
+def _too_heavy(body: RigidBody, gripper: Gripper) -> str:
+    """Why the force of the gripper cannot hold the weight; "" where it can."""
+    least_n = SAFETY * body.mass.mass_kg * GRAVITY_MPS2 / (2.0 * pad_friction(body.contact))
+    if least_n <= gripper.force_n:
+        return ""
+    return f"it weighs {body.mass.mass_kg:.3g} kg: {least_n:.3g} N a finger, more than a gripper has"
+
+
+def _grasps_of(
+    pairs: AntipodalPairs,
+    union: ConvexUnion,
+    body: RigidBody,
+    poses: Sequence[StablePose],
+    gripper: Gripper,
+    obstacles: Sequence[CollisionShape],
+) -> GraspProposals:
+    """The grasps that close on the pairs of places, of which there is one at least; see `propose_grasps`."""
+    friction = pad_friction(body.contact)
+    cone_rad, weight_n = math.atan(friction), body.mass.mass_kg * GRAVITY_MPS2
     near = 1.0 - np.linalg.norm(pairs.middle_m - body.mass.centre_of_mass_m, axis=1) / (0.5 * union.size)
     left = (1.0 - pairs.angle_rad / cone_rad) * np.clip(near, 0.05, 1.0)
     pairs, left = _spread_pairs(pairs, left, union.size)

@@ -9,7 +9,7 @@ from pathlib import Path
 from assetkit.acceptance.joints.judge_joints import judge_joints
 from assetkit.acceptance.judge_body import accept
 from assetkit.acceptance.suites.run import SuiteResult, run_suite, suites_for
-from assetkit.acceptance.suites.subject import record_of, subject_on_disk
+from assetkit.acceptance.suites.subject import is_recorded, record_of, subject_on_disk
 from assetkit.acceptance.suites.suite import Subject, at_most
 from assetkit.acceptance.suites.table import SUITES
 from assetkit.library.acceptance_request import GATE, OBJECT, AcceptanceReport, AcceptanceRequest
@@ -31,7 +31,7 @@ def accept_package(request: AcceptanceRequest) -> AcceptanceReport:
         return AcceptanceReport(findings=(invalid.diagnostic,))
     chosen = [s for s in SUITES if s.name in request.suites] if request.suites else suites_for(subject, SUITES)
     sections: list[SuiteSection] = []
-    findings: list[Diagnostic] = []
+    findings: list[Diagnostic] = list(subject.findings)
     for name, judge in ((GATE, _static), (OBJECT, _whole_object)):
         if not request.suites or name in request.suites:
             section, found = judge(subject, simulator)
@@ -87,6 +87,7 @@ def _whole_object(subject: Subject, simulator: Simulator) -> tuple[SuiteSection,
             declared=content.mechanism,
             contacts={use.joint: use.contact.value for use in subject.joint_uses if use.contact is not None},
             anchors=subject.anchors,
+            has_twins=is_recorded(subject.main_file),
         )
         result = result.with_joints(joints)
     outcome = "passed" if result.passed else "failed"

@@ -7,6 +7,28 @@ from __future__ import annotations
 from schemas.codes.code_info import CodeInfo
 
 SUITE_CODES: dict[str, CodeInfo] = {
+    # Packages without a record of Mana.
+    "asset/foreign-converted": CodeInfo(
+        "info",
+        "A package of another maker was brought into Mana's frame or shapes",
+        "Acceptance works in metres with z up, the origin below the object, and on convex shapes. What the file says "
+        "in other words is converted; nothing is added to it.",
+        "nothing; the figures in the report are in Mana's frame",
+    ),
+    "asset/foreign-assumed": CodeInfo(
+        "warning",
+        "A package of another maker leaves out what acceptance needs",
+        "Friction, mass or inertia is not stated, so that each engine takes a value of its own. The finding names the "
+        "value that was taken and where it comes from; the result of every suite depends on it.",
+        "state the value in the file: a contact material on each collider; mass, mass centre and inertia on the body",
+    ),
+    "asset/foreign-unsupported": CodeInfo(
+        "error",
+        "A package of another maker holds what acceptance cannot exercise",
+        "It has no body that moves, several without joints, joints of another kind, or a collider that no engine "
+        "takes for a moving body.",
+        "mend what the finding names, or make a package of the file with `mana assets ingest`",
+    ),
     # Every object.
     "asset/slope-astray": CodeInfo(
         "warning",

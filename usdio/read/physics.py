@@ -31,7 +31,7 @@ def stated_physics(
     centre goes through the whole transform; a tensor is only turned, because UsdPhysics gives it in kg and stage
     units whatever the scale of its prim (`UsdPhysics.RigidBodyAPI.ComputeMassProperties` does the same).
     """
-    reader = _Reader(start, meshes, where, _kilograms_per_unit(stage))
+    reader = _Reader(start, meshes, where, kilograms_per_unit(stage))
     return tuple(reader.masses()), tuple(reader.contacts())
 
 
@@ -85,7 +85,7 @@ class _Reader:
             covered_by.append((prim, below or [path for path in self._surfaces if self._body[path] == body]))
         materials: dict[str, tuple[Usd.Prim, dict[str, None]]] = {}
         for prim, covers in covered_by:
-            material = _contact_material(prim)
+            material = contact_material(prim)
             if material is not None:
                 materials.setdefault(str(material.GetPath()), (material, {}))[1].update(dict.fromkeys(covers))
         return [self._contact(material, tuple(covers)) for material, covers in materials.values() if covers]
@@ -102,12 +102,12 @@ class _Reader:
         while chain[-1] != body:
             chain.append(chain[-1].GetParent())
         stating = [p for p in chain if p.HasAPI(UsdPhysics.MassAPI)]
-        heavy = [p for p in stating if _number(p, "mass")]
-        dense = [p for p in stating if _number(p, "density")]
+        heavy = [p for p in stating if authored_number(p, "mass")]
+        dense = [p for p in stating if authored_number(p, "density")]
         if heavy or dense:
             return heavy[-1] if heavy else dense[0]
-        material = _contact_material(prim)
-        return material if material is not None and _number(material, "density") else None
+        material = contact_material(prim)
+        return material if material is not None and authored_number(material, "density") else None
 
     def _mass_of_hidden(self, body: Usd.Prim, covers: Sequence[str]) -> StatedMass | None:
         """The mass from the hidden colliders of `body`, for surfaces without a statement of their own.
@@ -131,11 +131,11 @@ class _Reader:
             method="UsdPhysics density",
             where=self._where.model_copy(update={"prim": str(prim.GetPath())}),
         )
-        mass, density = _number(prim, "mass"), _number(prim, "density")
+        mass, density = authored_number(prim, "mass"), authored_number(prim, "density")
         if mass is None or not prim.HasAPI(UsdPhysics.MassAPI):
             return replace(statement, density=None if density is None else density * self._kilograms_per_unit)
         X_WP = column_matrix(UsdGeom.XformCache(EARLIEST).GetLocalToWorldTransform(prim))
-        centre, inertia = _centre(prim), _inertia(prim)
+        centre, inertia = authored_centre(prim), authored_inertia(prim)
         return replace(
             statement,
             method="UsdPhysics mass",
@@ -150,14 +150,14 @@ class _Reader:
             name=material.GetName(),
             method="UsdPhysics material",
             where=self._where.model_copy(update={"prim": str(material.GetPath())}),
-            static_friction=_authored(material, "physics:staticFriction"),
-            dynamic_friction=_authored(material, "physics:dynamicFriction"),
-            restitution=_authored(material, "physics:restitution"),
-            combine=_combine(material),
+            static_friction=authored(material, "physics:staticFriction"),
+            dynamic_friction=authored(material, "physics:dynamicFriction"),
+            restitution=authored(material, "physics:restitution"),
+            combine=combine_rule(material),
         )
 
 
-def _kilograms_per_unit(stage: Usd.Stage) -> float:
+def kilograms_per_unit(stage: Usd.Stage) -> float:
     """1 when the stage states no valid value."""
     try:
         value = float(UsdPhysics.GetStageKilogramsPerUnit(stage))
@@ -166,44 +166,46 @@ def _kilograms_per_unit(stage: Usd.Stage) -> float:
     return value if math.isfinite(value) and value > 0.0 else 1.0
 
 
-def _contact_material(prim: Usd.Prim) -> Usd.Prim | None:
+def contact_material(prim: Usd.Prim) -> Usd.Prim | None:
+    """The material bound to a collider, if it has contact values."""
     api = bound_contact_material(prim)
     return api.GetPrim() if api is not None and api.GetPrim().HasAPI(UsdPhysics.MaterialAPI) else None
 
 
-def _authored(prim: Usd.Prim, name: str) -> Any:
+def authored(prim: Usd.Prim, name: str) -> Any:
+    """The value of an attribute, None where only its schema gives one."""
     attribute = prim.GetAttribute(name)
     return attribute.Get(EARLIEST) if attribute and attribute.HasAuthoredValue() else None
 
 
-def _number(prim: Usd.Prim, name: str) -> float | None:
+def authored_number(prim: Usd.Prim, name: str) -> float | None:
     """Mass or density as authored; zero means "not stated"."""
-    value = _authored(prim, f"physics:{name}")
+    value = authored(prim, f"physics:{name}")
     return float(value) if value else None
 
 
-def _centre(prim: Usd.Prim) -> np.ndarray | None:
+def authored_centre(prim: Usd.Prim) -> np.ndarray | None:
     """The authored mass centre in the prim's own frame; minus infinity means "not stated"."""
-    value = _authored(prim, "physics:centerOfMass")
+    value = authored(prim, "physics:centerOfMass")
     return None if value is None or np.isneginf(value).any() else np.asarray(value, dtype=np.float64)
 
 
-def _inertia(prim: Usd.Prim) -> np.ndarray | None:
+def authored_inertia(prim: Usd.Prim) -> np.ndarray | None:
     """`R diag(diagonalInertia) R^T` in the prim's own frame; a zero diagonal means "not stated"."""
-    moments = _authored(prim, "physics:diagonalInertia")
+    moments = authored(prim, "physics:diagonalInertia")
     if moments is None or not np.any(moments):
         return None
-    axes = _authored(prim, "physics:principalAxes")
+    axes = authored(prim, "physics:principalAxes")
     quat_wxyz = np.zeros(4) if axes is None else np.array([axes.GetReal(), *axes.GetImaginary()], dtype=np.float64)
     if not np.any(quat_wxyz):
         quat_wxyz = np.array([1.0, 0.0, 0.0, 0.0])
     return inertia_from_principal(np.asarray(moments, dtype=np.float64), quat_wxyz)
 
 
-def _combine(material: Usd.Prim) -> Combine:
+def combine_rule(material: Usd.Prim) -> Combine:
     """The combine rule of the PhysX schema; UsdPhysics itself has none, and engines then take the average."""
     rules: dict[str, Combine] = {"min": "minimum", "max": "maximum", **{r: r for r in get_args(Combine)}}
-    return rules.get(str(_authored(material, _FRICTION_COMBINE)), "average")
+    return rules.get(str(authored(material, _FRICTION_COMBINE)), "average")
 
 
 def _summed(parts: Sequence[StatedMass]) -> StatedMass:

@@ -4,7 +4,7 @@ Input is the main USD file; output is in the asset frame, metres and kilograms."
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -233,11 +233,16 @@ def contact_of(body: Usd.Prim, main_file: Path) -> Contact:
     bound = [api for prim in collider_prims(body) if (api := bound_contact_material(prim)) is not None]
     if not bound:
         raise _invalid("no collider with a contact material", main_file)
-    siblings = [prim.GetPath() for prim in bound[0].GetPrim().GetParent().GetChildren()]
-    api = min(
-        bound, key=lambda material: siblings.index(path) if (path := material.GetPath()) in siblings else len(siblings)
+    return _contact_of(first_authored(bound))
+
+
+def first_authored(materials: Sequence[UsdPhysics.MaterialAPI]) -> UsdPhysics.MaterialAPI:
+    """Of contact materials the first one among the siblings of the first."""
+    siblings = [prim.GetPath() for prim in materials[0].GetPrim().GetParent().GetChildren()]
+    return min(
+        materials,
+        key=lambda material: siblings.index(path) if (path := material.GetPath()) in siblings else len(siblings),
     )
-    return _contact_of(api)
 
 
 def _contact_of(api: UsdPhysics.MaterialAPI) -> Contact:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
@@ -30,8 +32,21 @@ def reread_mechanism(stage: Usd.Stage, bodies: list[Usd.Prim], main_file: Path) 
     """
     root = stage.GetDefaultPrim()
     frames = {prim.GetName(): _pose_in(prim, root) for prim in bodies}
-    prims = [prim for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)]
-    joints = tuple(_joint(prim, frames, main_file) for prim in prims)
+    return mechanism_between(frames, [prim for prim in stage.Traverse() if prim.IsA(UsdPhysics.Joint)], main_file)
+
+
+def mechanism_between(
+    frames: dict[str, FloatArray],
+    prims: Sequence[Usd.Prim],
+    main_file: Path,
+    scales: Mapping[str, FloatArray] = MappingProxyType({}),
+) -> Mechanism:
+    """The mechanism of bodies whose frames (4, 4) are rigid in the asset frame, from the prims of its joints.
+
+    `scales` (3,) along the axes of a body, by its name, count for where joints are on it. Raises as
+    `reread_mechanism` does.
+    """
+    joints = tuple(_joint(prim, frames, scales, main_file) for prim in prims)
     carried = {joint.child for joint in joints if not joint.closes_loop}
     order = [name for name in frames if name not in carried]
     for name in order:  # Grows while it is walked.
@@ -54,15 +69,17 @@ def filtered_pairs(bodies: list[Usd.Prim]) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _joint(prim: Usd.Prim, frames: dict[str, FloatArray], main_file: Path) -> MechanismJoint:
+def _joint(
+    prim: Usd.Prim, frames: dict[str, FloatArray], scales: Mapping[str, FloatArray], main_file: Path
+) -> MechanismJoint:
     kind = _KINDS.get(str(prim.GetTypeName()))
     joint = UsdPhysics.Joint(prim)
     ends = [rel.GetTargets() for rel in (joint.GetBody0Rel(), joint.GetBody1Rel())]
     if kind is None or any(len(targets) != 1 or targets[0].name not in frames for targets in ends):
         raise _invalid("a joint of another kind, or without two links", main_file, prim)
     parent, child = (targets[0].name for targets in ends)
-    X_A0 = frames[parent] @ _local(joint.GetLocalPos0Attr().Get(), joint.GetLocalRot0Attr().Get())
-    X_A1 = frames[child] @ _local(joint.GetLocalPos1Attr().Get(), joint.GetLocalRot1Attr().Get())
+    X_A0 = frames[parent] @ _local(joint.GetLocalPos0Attr().Get(), joint.GetLocalRot0Attr().Get(), scales.get(parent))
+    X_A1 = frames[child] @ _local(joint.GetLocalPos1Attr().Get(), joint.GetLocalRot1Attr().Get(), scales.get(child))
     axis = AXES[str(prim.GetAttribute("physics:axis").Get() or "X") if kind != "ball" else "Z"]
     limits = _limits(prim, kind)
     rest = joint_position(kind, axis, inverse(X_A0) @ X_A1, limits)
@@ -124,9 +141,10 @@ def _with_dynamics(joint: MechanismJoint, prim: Usd.Prim) -> MechanismJoint:
     )
 
 
-def _local(position: Gf.Vec3f, rotation: Gf.Quatf) -> FloatArray:
+def _local(position: Gf.Vec3f, rotation: Gf.Quatf, scale: FloatArray | None) -> FloatArray:
     quat_wxyz = np.array([rotation.GetReal(), *rotation.GetImaginary()], dtype=np.float64)
-    return pose(matrix_of(quat_wxyz), np.array(position, dtype=np.float64))
+    at = np.array(position, dtype=np.float64)
+    return pose(matrix_of(quat_wxyz), at if scale is None else at * scale)
 
 
 def _pose_in(prim: Usd.Prim, ancestor: Usd.Prim) -> FloatArray:

@@ -39,11 +39,13 @@ def judge_joints(
     declared: Mechanism,
     contacts: Mapping[str, JointContact] | None = None,
     anchors: Sequence[Anchor] = (),
+    has_twins: bool = True,
 ) -> JudgedJoint:
     """Checks and findings on all joints of a package; nothing for a rigid one.
 
     `content` was re-read from `main_file`; `declared` is the mechanism that it should hold, in the asset frame. For
-    `contacts` and `anchors` see `joint_tasks`. Codes: those of `schemas.codes.joints`.
+    `contacts` and `anchors` see `joint_tasks`. `has_twins`: it is of Mana, so that URDF and MJCF must
+    agree. Codes: those of `schemas.codes.joints`.
     """
     if content.mechanism is None:
         return JudgedJoint((), ())
@@ -61,10 +63,10 @@ def judge_joints(
         parts.append(judge_joint(subject))
         if joint.name in contacts:
             parts.append(_contact(articulation, joint, contacts[joint.name]))
-    checks, findings = check_twins(content.mechanism, main_file.parents[1] / "export", main_file.stem)
-    parts.append(
-        JudgedJoint(tuple(checks), (*findings, *_left_out(content.mechanism, {t.joint for t in tasks}, looped)))
-    )
+    if has_twins:
+        checks, findings = check_twins(content.mechanism, main_file.parents[1] / "export", main_file.stem)
+        parts.append(JudgedJoint(tuple(checks), tuple(findings)))
+    parts.append(JudgedJoint((), tuple(_left_out(content.mechanism, {t.joint for t in tasks}, looped))))
     return joined(parts)
 
 

@@ -7,16 +7,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 
+from assetkit.acceptance.body_checks import body_checks
 from assetkit.acceptance.stable_poses import find_stable_poses
 from assetkit.acceptance.suites.suite import Subject
+from assetkit.affordances.grasps import grasps_along
 from assetkit.package.record import read_record
+from geom.grasp.gripper import LARGE, MEDIUM, SMALL
 from schemas.affordances import AffordanceEvidence, Grasp, Region
 from schemas.anchors import Anchor
 from schemas.articulation import JointUse
-from schemas.asset import AssetRecord, PhysicsSection, Role, StablePose
+from schemas.asset import RECORD, AssetRecord, PhysicsSection, Role, StablePose
+from schemas.diagnostics import Location, finding
 from schemas.evidence import Evidence
 from sim.port import Simulator
 from usdio.reread.body import RereadPackage, reread_package
+from usdio.reread.foreign import reread_foreign
 
 # Below, a role is a guess that no suite is asked to prove.
 PROMISED = 0.5
@@ -25,14 +30,17 @@ PROMISED = 0.5
 def subject_on_disk(main_file: Path, simulator: Simulator, roles: Sequence[Role] = ()) -> Subject:
     """The package with this main USD file; `roles` replace those on record.
 
-    Without a record of Mana there are no roles, grasps or bounds but those stated; stable poses are found here. Raises
-    InvalidInput (`asset/package-invalid`) for a file that holds no complete body.
+    A package with a record, also one that cannot be read or belongs elsewhere, is read as strictly as it was released.
+    Others are read by `usdio.reread.foreign`, whose findings the subject carries. Without a record that can be read
+    there are no roles but those stated. Raises InvalidInput
+    (`asset/package-invalid`, `asset/foreign-unsupported`) for a file that holds no complete body.
     """
-    content = reread_package(main_file)
     record = record_of(main_file)
+    if record is None and not is_recorded(main_file):
+        return _foreign_subject(main_file, simulator, roles)
+    content = reread_package(main_file)
     if record is None:
-        bare = Subject(main_file, content, tuple(roles))
-        return bare if bare.is_articulated else replace(bare, poses=find_stable_poses(bare.body, simulator).poses)
+        return _bare_subject(main_file, content, simulator, roles)
     subject = subject_of(
         main_file,
         content,
@@ -44,6 +52,37 @@ def subject_on_disk(main_file: Path, simulator: Simulator, roles: Sequence[Role]
         physics=record.physics,
     )
     return replace(subject, roles=tuple(roles)) if roles else subject
+
+
+def _bare_subject(main_file: Path, content: RereadPackage, simulator: Simulator, roles: Sequence[Role]) -> Subject:
+    """The subject of which nothing is on record; stable poses are found here, of a body that can be simulated."""
+    subject = Subject(main_file, content, tuple(roles))
+    if subject.is_articulated or not all(check.passed for check in body_checks(content.body)):
+        return subject  # Acceptance of the whole object says what is wrong.
+    return replace(subject, poses=find_stable_poses(subject.body, simulator).poses)
+
+
+def _foreign_subject(main_file: Path, simulator: Simulator, roles: Sequence[Role]) -> Subject:
+    """The subject of another maker; its grasps close along the lines that the file states, with the first of three
+    sizes of gripper that can.
+    """
+    package = reread_foreign(main_file)
+    subject = replace(_bare_subject(main_file, package.content, simulator, roles), findings=package.findings)
+    if not package.grasp_lines_m or not subject.poses:
+        return subject
+    lines, reasons = package.grasp_lines_m, dict[str, None]()
+    for gripper in (MEDIUM, SMALL, LARGE):
+        proposed = grasps_along(lines, subject.body, subject.poses, gripper)
+        if proposed.grasps:
+            headline = (
+                f"{len(lines)} lines of grasps became {len(proposed.grasps)} grasps of the {gripper.name} gripper"
+            )
+            break
+        reasons[f"{proposed.reason} [{gripper.name}]"] = None
+    else:
+        headline = f"{len(lines)} lines of grasps became none: {'; '.join(reasons)}"
+    note = finding("asset/foreign-converted", headline, where=Location(file=main_file.name))
+    return replace(subject, grasps=proposed.grasps, findings=(*subject.findings, note))
 
 
 def subject_of(
@@ -76,6 +115,11 @@ def subject_of(
         else (contact.bounds[0].dynamic_friction, contact.bounds[1].dynamic_friction),
         mass_bounds_kg=physics.mass_kg.bounds,
     )
+
+
+def is_recorded(main_file: Path) -> bool:
+    """Whether a record lies where packages of Mana have theirs, of whatever content."""
+    return len(main_file.parents) > 1 and (main_file.parents[1] / RECORD).exists()
 
 
 def record_of(main_file: Path) -> AssetRecord | None:

@@ -48,6 +48,7 @@ class Subject:
     grasps, regions, anchors, joint_uses  as recorded; empty where nothing is on record.
     most_grasps  that are tried before it counts as one that cannot be held.
     friction_bounds, mass_bounds_kg  between which values are believed to lie; None where nothing is on record.
+    findings   of reading it: what was converted or assumed in a package without a record.
     """
 
     main_file: Path
@@ -61,6 +62,7 @@ class Subject:
     most_grasps: int = POLICY.tries
     friction_bounds: tuple[float, float] | None = None
     mass_bounds_kg: tuple[float, float] | None = None
+    findings: tuple[Diagnostic, ...] = ()
 
     @property
     def body(self) -> RigidBody:

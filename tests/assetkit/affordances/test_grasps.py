@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from assetkit.affordances.grasps import propose_grasps
+from assetkit.affordances.grasps import grasps_along, propose_grasps
 from geom.convex.convex_union import ConvexUnion
 from geom.grasp.gripper import Gripper, boxes, lowest
 from geom.pose import matrix_of, pose, pose_from_quat, quat_of
@@ -111,3 +111,31 @@ def test_slippery_wedges_are_not_grasped():
     for grasp in propose_grasps(body, ()).grasps:
         axis = np.subtract(*grasp.contacts_m)
         assert abs(axis[0]) / np.linalg.norm(axis) > math.cos(0.06)  # only along the prism
+
+
+def test_grasps_along_a_line_close_on_that_line_alone() -> None:
+    body = body_of(box(0.05, 0.2, 0.1))
+    line = ((-0.04, 0.03, 0.06), (0.04, 0.03, 0.06))
+    made = grasps_along([line], body, ())
+    assert made.grasps
+    for grasp in made.grasps:
+        first, second = np.array(grasp.contacts_m)
+        np.testing.assert_allclose(first, (-0.025, 0.03, 0.06), atol=1e-4)
+        np.testing.assert_allclose(second, (0.025, 0.03, 0.06), atol=1e-4)
+        assert grasp.width_m == pytest.approx(0.05, abs=1e-4)
+        closing = matrix_of(np.array(grasp.quat_wxyz))[:, 0]
+        assert abs(closing[0]) == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        ((0.0, -0.15, 0.05), (0.0, 0.15, 0.05)),  # 0.2 m wide there
+        ((-0.04, 0.0, 0.2), (0.04, 0.0, 0.2)),  # above it
+        ((0.0, 0.0, 0.05), (0.0, 0.0, 0.05)),  # without a direction
+    ],
+)
+def test_lines_that_no_gripper_can_close_along_give_none(line) -> None:
+    made = grasps_along([line], body_of(box(0.05, 0.2, 0.1)), ())
+    assert made.grasps == ()
+    assert "no line crosses" in made.reason
