@@ -246,7 +246,7 @@ def no_contact_material(victim: Victim) -> bool:
     for collider in victim.colliders:
         for relationship in collider.GetRelationships():
             if relationship.GetName() == "material:binding:physics":
-                relationship.BlockTargets()
+                relationship.SetTargets([])
     return True
 
 

@@ -2,9 +2,9 @@
 
     python -m tests.suites.sabotage.run LIBRARY... --seed 1 --each 5 --resume OUT
 
-Controls come first: packages as released; each that `mana assets accept` fails is counted. Every kind is then tried on
-packages drawn by seed among the controls that pass and that it can damage. One JSON line per case in OUT/cases.jsonl;
-a run continues where it stopped.
+Controls come first: packages as released, without those in review; each that `mana assets accept` fails is counted.
+Every kind is then tried on packages drawn by seed among the controls that pass and that it can damage. One JSON line
+per case in OUT/cases.jsonl; a run continues where it stopped.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def main() -> None:
     log = arguments.resume / "cases.jsonl"
     arguments.resume.mkdir(parents=True, exist_ok=True)
     rows = [json.loads(line) for line in log.read_text().splitlines()] if log.exists() else []
-    packages = [p.parent for library in arguments.libraries for p in sorted(library.glob("*/record.json"))]
+    packages = [p.parent for library in arguments.libraries for p in sorted(library.glob("*/record.json")) if _clean(p)]
     with log.open("a") as file:
         for row in cases(packages, rows, arguments.seed, arguments.each, arguments.controls):
             rows.append(row)
@@ -80,6 +80,11 @@ def cases(
             if row is not None:
                 count += 1
                 yield row
+
+
+def _clean(record: Path) -> bool:
+    """Whether a package was released without a question to a person."""
+    return json.loads(record.read_text())["outcome"] in ("accepted", "repaired")
 
 
 def _is_articulated(package: Path) -> bool:
