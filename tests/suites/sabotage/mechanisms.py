@@ -146,7 +146,7 @@ def contact_behind(victim: Victim) -> bool:
     uses = [use for use in victim.record.get("joint_uses", []) if use.get("contact")]
     for use in uses:
         contact = use["contact"]["value"]
-        direction = np.array(contact["direction"], dtype=float)
+        direction = np.array(contact["pull"], dtype=float)
         away = victim.random.uniform(1.2, 2.0) * victim.size_m
         position = np.array(contact["position_m"]) - away * direction
         contact["position_m"] = position.tolist()
