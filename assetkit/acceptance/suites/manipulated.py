@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from assetkit.acceptance.suites.grasping import best_grasp, not_picked_up
 from assetkit.acceptance.suites.policy import POLICY
 from assetkit.acceptance.suites.suite import CheckList, Conditions, Subject, SuiteRun, at_least, at_most
 from assetkit.affordances.grasp_trials import trial_pose
@@ -25,7 +26,7 @@ from schemas.diagnostics import Location
 from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import RigidBody
 from sim.grasp_trial import PICK_AND_PLACE, GraspOutcome, GraspTask, Phase
-from sim.port import SMALLEST_M, Simulator
+from sim.port import Simulator
 
 TRACE_S = 1.0 / 20.0
 _PHASES = [phase for phase, _ in PICK_AND_PLACE.phases]
@@ -48,25 +49,16 @@ class ManipulatedSuite:
 
     def obstacle(self, subject: Subject) -> str:
         """Objects with joints are not picked up; contacts of engines are too coarse for the smallest ones."""
-        if subject.is_articulated:
-            return "it has joints, and is held by its base"
-        if diagonal(subject.body.shapes) < SMALLEST_M:
-            return f"it is smaller than {1000 * SMALLEST_M:.0f} mm, too small for contacts of engines"
-        return ""
+        return not_picked_up(subject)
 
     def run(self, subject: Subject, simulator: Simulator, conditions: Conditions) -> SuiteRun:
         """Of several grasps the first that passes, else the one with the most checks passed."""
         grasps, reason = grasps_to_try(subject)
-        if not grasps:
-            checks = CheckList(Location(file=subject.main_file.name))
-            checks.add("asset/handling-no-grasp", f"no gripper can hold it: {reason}", at_least("grasps", 0, 1, ""))
-            return checks.run()
-        runs: list[SuiteRun] = []
-        for grasp in grasps[: subject.most_grasps]:
-            runs.append(handle(subject, grasp, simulator, conditions))
-            if runs[-1].passes:
-                break
-        return max(runs, key=lambda run: sum(check.passed for check in run.checks))
+
+        def attempt(grasp: Grasp) -> SuiteRun:
+            return handle(subject, grasp, simulator, conditions)
+
+        return best_grasp(subject, grasps[: subject.most_grasps], reason, "asset/handling-no-grasp", attempt)
 
 
 def grasps_to_try(subject: Subject) -> tuple[list[Grasp], str]:

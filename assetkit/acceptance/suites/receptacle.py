@@ -15,6 +15,7 @@ import numpy as np
 
 from assetkit.acceptance.settling import TOPPLED_RAD
 from assetkit.acceptance.stable_poses import resting_pose
+from assetkit.acceptance.suites.grasping import tiny
 from assetkit.acceptance.suites.policy import POLICY
 from assetkit.acceptance.suites.suite import CheckList, Conditions, Subject, SuiteRun, at_least, at_most
 from assetkit.acceptance.suites.support import SurfaceTrial
@@ -31,7 +32,7 @@ from schemas.diagnostics import Location
 from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape, RigidBody
 from sim.loading import LoadOutcome, LoadTask, LooseProbe
-from sim.port import SMALLEST_M, Simulator, model_scale, natural_time_s
+from sim.port import Simulator, model_scale, natural_time_s
 
 _DROP_PLACES = 5  # over an opening, and of content
 _PROBE_KGPM3 = 1000.0
@@ -54,9 +55,7 @@ class ReceptacleSuite:
 
     def obstacle(self, subject: Subject) -> str:
         """Contacts of engines are too coarse for the smallest objects."""
-        if diagonal(subject.body.shapes) < SMALLEST_M:
-            return f"it is smaller than {1000 * SMALLEST_M:.0f} mm, too small for contacts of engines"
-        return ""
+        return tiny(subject)
 
     def run(self, subject: Subject, simulator: Simulator, conditions: Conditions) -> SuiteRun:
         """Each volume, the largest first; what has none, as a plate, holds things on its main surface."""

@@ -13,6 +13,7 @@ import shapely
 
 from assetkit.acceptance.settling import TOPPLED_RAD
 from assetkit.acceptance.stable_poses import resting_pose
+from assetkit.acceptance.suites.grasping import tiny
 from assetkit.acceptance.suites.policy import POLICY
 from assetkit.acceptance.suites.suite import CheckList, Conditions, Subject, SuiteRun, at_least, at_most
 from assetkit.affordances.anchor_trials import BOX_OF_DISC
@@ -26,7 +27,7 @@ from schemas.asset import Role
 from schemas.diagnostics import Location
 from schemas.physics import CollisionShape, RigidBody
 from sim.loading import LoadTask, LooseProbe
-from sim.port import SMALLEST_M, Simulator, natural_time_s
+from sim.port import Simulator, natural_time_s
 
 _EDGE_PLACES = 24  # along the edge, of which the worst one is taken
 _GAP = 0.02  # of its edge, from where a box is let go
@@ -42,9 +43,7 @@ class SupportSuite:
 
     def obstacle(self, subject: Subject) -> str:
         """Contacts of engines are too coarse for the smallest objects."""
-        if diagonal(subject.body.shapes) < SMALLEST_M:
-            return f"it is smaller than {1000 * SMALLEST_M:.0f} mm, too small for contacts of engines"
-        return ""
+        return tiny(subject)
 
     def run(self, subject: Subject, simulator: Simulator, conditions: Conditions) -> SuiteRun:
         """The main surface and the next ones; an articulated object has its joints held at rest."""

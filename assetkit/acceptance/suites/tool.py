@@ -12,13 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from assetkit.acceptance.suites.grasping import best_grasp, not_picked_up
 from assetkit.acceptance.suites.manipulated import TRACE_S
 from assetkit.acceptance.suites.policy import POLICY
 from assetkit.acceptance.suites.suite import CheckList, Conditions, Subject, SuiteRun, at_least, at_most
 from assetkit.affordances.grasp_trials import trial_pose
 from assetkit.affordances.grasps import pad_friction, propose_grasps
 from assetkit.affordances.region_grasps import takes
-from geom.convex.support_function import diagonal, surface
+from geom.convex.support_function import surface
 from geom.grasp.gripper import GRIPPERS, LARGE, MEDIUM, SMALL
 from geom.pose import pose_from_quat
 from schemas.affordances import Grasp, RegionKind
@@ -26,7 +27,7 @@ from schemas.asset import Role
 from schemas.diagnostics import Location
 from schemas.physics import RigidBody
 from sim.grasp_trial import LIFT_M, GraspTask, HandMotion, Phase
-from sim.port import SMALLEST_M, Simulator
+from sim.port import Simulator
 
 # What is done with a tool that has such a region, as phases with their seconds; and with one that has none.
 _POUR = ((Phase.CARRY, 1.2), (Phase.TILT, 4.0))
@@ -47,25 +48,16 @@ class ToolSuite:
 
     def obstacle(self, subject: Subject) -> str:
         """Objects with joints are not picked up; contacts of engines are too coarse for the smallest ones."""
-        if subject.is_articulated:
-            return "it has joints, and is held by its base"
-        if diagonal(subject.body.shapes) < SMALLEST_M:
-            return f"it is smaller than {1000 * SMALLEST_M:.0f} mm, too small for contacts of engines"
-        return ""
+        return not_picked_up(subject)
 
     def run(self, subject: Subject, simulator: Simulator, conditions: Conditions) -> SuiteRun:
         """Of several grasps the first that passes, else the one with the most checks passed."""
         grasps, reason = tool_grasps(subject)
-        if not grasps:
-            checks = CheckList(Location(file=subject.main_file.name))
-            checks.add("asset/tool-no-grasp", f"no gripper can hold it: {reason}", at_least("grasps", 0, 1, ""))
-            return checks.run()
-        runs: list[SuiteRun] = []
-        for grasp in grasps[: POLICY.tries]:
-            runs.append(_use(subject, grasp, simulator, conditions))
-            if runs[-1].passes:
-                break
-        return max(runs, key=lambda run: sum(check.passed for check in run.checks))
+
+        def attempt(grasp: Grasp) -> SuiteRun:
+            return _use(subject, grasp, simulator, conditions)
+
+        return best_grasp(subject, grasps[: POLICY.tries], reason, "asset/tool-no-grasp", attempt)
 
 
 def tool_grasps(subject: Subject) -> tuple[list[Grasp], str]:

@@ -52,13 +52,7 @@ def axis_reversed(victim: Victim) -> bool:
     joint = _joint(victim)
     if joint is None or _limits(joint) is None:
         return False
-    across = {"X": Gf.Vec3d(0, 0, 1), "Y": Gf.Vec3d(1, 0, 0), "Z": Gf.Vec3d(1, 0, 0)}[
-        joint.GetAttribute("physics:axis").Get()
-    ]
-    turn = Gf.Quatf(Gf.Rotation(across, 180.0).GetQuat())
-    for name in ("physics:localRot0", "physics:localRot1"):
-        attribute = joint.GetAttribute(name)
-        attribute.Set(attribute.Get() * turn)
+    _turn(joint, 180.0)
     return True
 
 
@@ -67,13 +61,7 @@ def axis_tilted(victim: Victim) -> bool:
     joint = _joint(victim)
     if joint is None or _limits(joint) is None:
         return False
-    across = {"X": Gf.Vec3d(0, 0, 1), "Y": Gf.Vec3d(1, 0, 0), "Z": Gf.Vec3d(1, 0, 0)}[
-        joint.GetAttribute("physics:axis").Get()
-    ]
-    turn = Gf.Quatf(Gf.Rotation(across, victim.random.uniform(20.0, 60.0)).GetQuat())
-    for name in ("physics:localRot0", "physics:localRot1"):
-        attribute = joint.GetAttribute(name)
-        attribute.Set(attribute.Get() * turn)
+    _turn(joint, victim.random.uniform(20.0, 60.0))
     return True
 
 
