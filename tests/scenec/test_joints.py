@@ -20,7 +20,7 @@ from scene_check.from_plan import scene_rules
 from scenec.bind.asset_library import AssetLibrary
 from scenec.check.judge_plan import extremes
 from scenec.check.judge_scene import violations
-from scenec.compile import Compiled, compile_program
+from scenec.compile import Compiled
 from scenec.emit.scene import compiled_scene
 from scenec.ir.problem import Placement, Solved
 from scenec.plan.document import plan_text
@@ -39,21 +39,13 @@ from tests.support.scene.articulated import (
     chest,
     microwave_panels,
 )
+from tests.support.scene.joint_programs import CLEAR, CUBE, DRAWERS, FLOOR, OVEN, compiled
 from usdio.reread.scene import reread_scene
-
-FLOOR = "background: {asset: {type: box, size_m: [1.8, 1.4, 0.05]}}\n"
-CUBE = "{type: box, size_m: [0.06, 0.06, 0.05]}"
 
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> AssetLibrary:
     return AssetLibrary(articulated_library(tmp_path_factory.mktemp("library")))
-
-
-def compiled(text: str, folder: Path, library: AssetLibrary, **options: object) -> Compiled:
-    file = folder / "program.yaml"
-    file.write_text(text)
-    return compile_program(file, library=library, **options)  # pyright: ignore[reportArgumentType]
 
 
 def placed(scene: CompiledScene, name: str) -> PlacedObject:
@@ -67,17 +59,6 @@ def in_frame_of(owner: PlacedObject, item: PlacedObject) -> list[tuple[np.ndarra
     back = np.array([[math.cos(yaw), -math.sin(yaw)], [math.sin(yaw), math.cos(yaw)]])
     x, y, height = owner.position_m
     return [((p.outline_m - [x, y]) @ back, p.low_m - height, p.high_m - height) for p in item.prisms]
-
-
-DRAWERS = FLOOR + (
-    "anchors: {floor: {object: background}, low: {object: unit, volume: drawer_1/inside},"
-    " high: {object: unit, volume: drawer_2/inside}}\n"
-    "objects: [{id: unit, asset: drawer_unit}, {id: cube, asset: %s}]\n"
-    "layout:\n  nodes:\n"
-    "    unit: {object: unit, joints: {%s}, placement: {type: surface, surface: floor, ranges: {yaw_deg: [-40, 40]}}}\n"
-    "    a: {object: cube, placement: {type: volume, volume: low}}\n"
-    "    b: {object: cube, placement: {type: volume, volume: high}}\n"
-)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -111,19 +92,6 @@ FIXED = FLOOR + (
 def test_the_footprint_is_that_of_the_state(library: AssetLibrary, tmp_path: Path, joints: str, x: float, fits: bool):
     """The front is at x = 0.181; shut, a cube at 0.25 is clear of it, and a drawer that is 10 cm out reaches there."""
     assert (compiled(FIXED % (CUBE, joints, x), tmp_path, library).report.verdict == "compiled") == fits
-
-
-OVEN = FLOOR.replace("1.8, 1.4", "1.3, 1.1") + (
-    "anchors: {floor: {object: background}, plate: {object: oven, surface: plate/top}}\n"
-    "objects: [{id: oven, asset: microwave}, {id: dish, asset: {type: cylinder, radius_m: 0.03, height_m: 0.05}},\n"
-    "  {id: box, asset: {type: box, size_m: [0.16, 0.1, 0.1]}}]\n"
-    "layout:\n  nodes:\n"
-    "    oven: {object: oven, joints: {turn: 0.4}, placement: {type: surface, surface: floor}}\n"
-    "    dish: {object: dish, placement: {type: surface, surface: plate}}\n"
-    "    box: {object: box}\n"
-    "  groups: {rest: {type: scatter, members: [box], surface: floor, count: 4}}\n"
-)
-CLEAR = "keep_clear: [{object: oven, joint: door}]\n"
 
 
 def door_hits(scene: CompiledScene) -> list[str]:
@@ -289,22 +257,6 @@ def test_the_background_may_be_a_mechanism(library: AssetLibrary, tmp_path: Path
         assert low == pytest.approx(DRAWER_FLOORS_M[1])
 
 
-@pytest.mark.parametrize(("rule", "code", "path"), [
-    ("{object: oben, joint: door}", "scene/unknown-name", "object"),
-    ("{object: oven, joint: dor}", "scene/unknown-joint", "joint"),
-    ("{object: box, joint: door}", "scene/unknown-joint", "joint"),
-    ("{object: oven, joint: turn}", "scene/no-swept-volume", "joint"),
-])  # fmt: skip
-def test_what_cannot_be_kept_clear_is_told_where_it_is_written(
-    library: AssetLibrary, tmp_path: Path, rule: str, code: str, path: str
-):
-    text = OVEN + f"keep_clear:\n  - {rule}\n"
-    (finding,) = compiled(text, tmp_path, library).report.diagnostics
-    assert finding.code == code
-    line = text.splitlines()[-1]
-    assert (finding.where.line, finding.where.column) == (text.count("\n"), line.index(f"{path}: ") + len(path) + 3)
-
-
 def test_a_session_whose_joints_move_gives_what_a_compile_from_nothing_does(library: AssetLibrary, tmp_path: Path):
     """Drawers are slid in and out; what is in them, and what stands before them, follows."""
     rng, file = np.random.default_rng(3), tmp_path / "p.yaml"
@@ -365,37 +317,6 @@ def test_the_written_scene_is_in_the_state_that_was_compiled(tmp_path: Path):
     body = next(body for body in result.plan.bodies if body.asset_id == "latched")
     simulated = [s.X_AS[2, 3] - s.size_m[2] / 2 for s in physical_body(body, library.folder).body.shapes]
     assert sorted(simulated) == pytest.approx(sorted(prism.low_m for prism in body.stances[0].prisms), abs=1e-5)
-
-
-def test_a_joint_beyond_its_limits_is_told_where_it_is_written(library: AssetLibrary, tmp_path: Path):
-    text = OVEN.replace("turn: 0.4", "turn: 0.4, door_deg: 130")
-    (finding,) = compiled(text, tmp_path, library).report.diagnostics
-    assert finding.code == "scene/joint-range"
-    line = next(k for k, row in enumerate(text.splitlines(), 1) if "door_deg" in row)
-    assert finding.where.line == line
-
-
-def test_a_range_of_positions_is_no_position(library: AssetLibrary, tmp_path: Path):
-    text = OVEN.replace("turn: 0.4", "turn: [0, 0.4]")
-    (finding,) = compiled(text, tmp_path, library).report.diagnostics
-    assert finding.code == "scene/invalid-value"
-    assert "joints.turn" in finding.headline
-
-
-def test_an_unknown_volume_is_answered_with_those_there_are(library: AssetLibrary, tmp_path: Path):
-    text = (DRAWERS % (CUBE, "")).replace("volume: drawer_1/inside", "volume: drawer_3/inside")
-    (finding,) = compiled(text, tmp_path, library).report.diagnostics
-    assert finding.code == "scene/missing-anchor"
-    assert "drawer_1/inside, drawer_2/inside" in finding.headline
-
-
-def test_an_owner_of_a_swept_space_stays_upright(library: AssetLibrary, tmp_path: Path):
-    text = OVEN.replace("surface: floor}}\n    dish", "surface: floor, orientation: stable}}\n    dish").replace(
-        "    dish: {object: dish, placement: {type: surface, surface: plate}}\n",
-        "    dish: {object: dish, placement: {type: surface, surface: floor}}\n",
-    )
-    codes = [d.code for d in compiled(text + CLEAR, tmp_path, library).report.diagnostics]
-    assert codes == ["scene/owner-not-upright"]
 
 
 BEFORE = (
