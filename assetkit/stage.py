@@ -14,18 +14,12 @@ from assetkit.pose.front import Front
 from assetkit.scale.declared_units import UnitDecision
 from geom.features.cavities import Cavity
 from jobs.cache import Cache
+from schemas.acceptance import AcceptanceSection
 from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
 from schemas.arrays import FloatArray
 from schemas.articulation import JointUse, SweptVolume
-from schemas.asset import (
-    AcceptanceSection,
-    AppearanceSection,
-    GeometrySection,
-    PhysicsSection,
-    SemanticsSection,
-    SourceFile,
-)
+from schemas.asset import AppearanceSection, GeometrySection, PhysicsSection, SemanticsSection, SourceFile
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, default
 from schemas.mechanism import Mechanism

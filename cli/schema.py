@@ -11,8 +11,8 @@ from pydantic import BaseModel
 from assetkit.generate.truth import GeneratedTruth
 from scenec.source.language import editor_schema
 from schemas.asset import AssetRecord
-from schemas.episode import EpisodeDescription
 from schemas.measurement import MeasurementSpec
+from schemas.replay.episode import EpisodeDescription
 from schemas.report import IngestReport
 from schemas.scene.runtime_plan import RuntimePlan
 from schemas.scene.samples import SceneSamples

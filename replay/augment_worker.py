@@ -25,7 +25,7 @@ from replay.recording.formats.write import write_variant
 from replay.recording.recorded_numbers import invalid_recording
 from runtime_plan import load
 from schemas.diagnostics import InvalidInput, finding
-from schemas.replay import VARIANT_FILE, Variant
+from schemas.replay.documents import VARIANT_FILE, Variant
 from sim.named_engine import load_engine
 from usdio.write.scene import PACKAGES, copy_package
 

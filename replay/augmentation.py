@@ -19,7 +19,7 @@ from replay.recording.recorded_numbers import invalid_recording
 from replay.views.visibility import ConvexPolyhedron, convex_polyhedra, in_world, newly_hidden, task_pixels
 from runtime_plan.bodies import physical_body
 from schemas.diagnostics import Diagnostic, finding
-from schemas.replay import Variant
+from schemas.replay.documents import Variant
 from schemas.scene.runtime_plan import PlanBody
 
 VARIANT_DRAWS = 6  # draws of a variant that hides too much

@@ -11,7 +11,7 @@ from replay.recording.recorded_numbers import invalid_recording
 from replay.verification.check_output import read_variant, read_variant_episode
 from replay.verification.inserted_bodies import as_packaged
 from runtime_plan.materials import is_paired, with_material
-from schemas.replay import VARIANT_FILE, Inserted, Variant
+from schemas.replay.documents import VARIANT_FILE, Inserted, Variant
 from schemas.scene.compiled import PlacedObject
 from schemas.scene.program import PairedMaterial
 from schemas.scene.samples import SampledLighting

@@ -9,8 +9,9 @@ from geom.convex import hull
 from geom.convex.support_function import bounds, diagonal
 from geom.mass.inertia import TRIANGLE_INEQUALITY_TOLERANCE
 from geom.mesh.surface_distance import sample_surface
+from schemas.acceptance import Check
 from schemas.arrays import FloatArray, IntArray
-from schemas.asset import Check, Vec3
+from schemas.asset import Vec3
 from schemas.physics import CollisionShape, RigidBody
 
 MAX_SHAPES, MAX_HULL_POINTS = 64, 64

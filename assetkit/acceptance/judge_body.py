@@ -12,8 +12,9 @@ from assetkit.acceptance.body_checks import alignment_checks, body_checks, frame
 from assetkit.acceptance.joints.checks import JudgedJoint
 from assetkit.acceptance.settling import Settling, settle_and_drop
 from assetkit.acceptance.stable_poses import StablePoses, find_stable_poses
+from schemas.acceptance import AcceptanceSection, Check, StablePose
 from schemas.arrays import FloatArray, IntArray
-from schemas.asset import AcceptanceSection, Check, StablePose, Vec3
+from schemas.asset import Vec3
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.evidence import Evidence, measured
 from schemas.physics import RigidBody

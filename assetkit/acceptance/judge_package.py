@@ -14,7 +14,8 @@ from assetkit.acceptance.judge_body import AcceptanceResult, accept
 from assetkit.package.package import Package, reread
 from gate.external_validators import ValidatorIssue, external_verdicts
 from gate.static_gate import gate
-from schemas.asset import AcceptanceSection, Check, Vec3
+from schemas.acceptance import AcceptanceSection, Check
+from schemas.asset import Vec3
 from schemas.diagnostics import Diagnostic, Location, Severity, finding
 from sim.port import Simulator
 from usdio.reread.body import RereadPackage

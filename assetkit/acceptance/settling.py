@@ -16,7 +16,7 @@ import numpy as np
 from assetkit.acceptance.stable_poses import LEAN_RAD, displacement, leaning, recovers, resting_pose
 from geom.convex.support_function import bounds, diagonal, stability_margin
 from geom.pose import DOWN, matrix_of
-from schemas.asset import Check
+from schemas.acceptance import Check
 from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import RigidBody
 from sim.port import DropResult, DropSettings, Simulator, natural_time_s, stillness_for, world_for

@@ -14,8 +14,8 @@ from scipy.sparse.csgraph import connected_components
 from geom.convex.support_function import centre_heights, diagonal, facet_directions, stability_margin, support
 from geom.mass.principal_axes import principal_axes
 from geom.pose import DOWN, matrix_of, pose, quat_of, shortest_rotation
+from schemas.acceptance import StablePose
 from schemas.arrays import BoolArray, FloatArray, IntArray
-from schemas.asset import StablePose
 from schemas.physics import RigidBody
 from sim.port import DropResult, DropSettings, Simulator, natural_time_s, stillness_for, world_for
 

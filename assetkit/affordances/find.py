@@ -15,9 +15,9 @@ from assetkit.affordances.named_regions import part_at
 from assetkit.affordances.region_grasps import takes
 from assetkit.affordances.regions import find_regions, upright_requirement
 from assetkit.stage import Canonical, Draft, Interaction, Semantics
+from schemas.acceptance import StablePose
 from schemas.affordances import AffordanceEvidence, Grasp, Region
 from schemas.anchors import Anchor
-from schemas.asset import StablePose
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence
 from schemas.physics import RigidBody

@@ -10,10 +10,10 @@ from assetkit.acceptance.stable_poses import resting_pose
 from assetkit.affordances.grasps import pad_friction
 from geom.convex.support_function import diagonal
 from geom.pose import pose_from_quat
+from schemas.acceptance import StablePose
 from schemas.affordances import AffordanceEvidence, Grasp
 from schemas.anchors import Point3
 from schemas.arrays import FloatArray
-from schemas.asset import StablePose
 from schemas.evidence import Evidence, inferred, measured
 from schemas.physics import RigidBody
 from sim.grasp_trial import GraspTask

@@ -15,10 +15,11 @@ from geom.grasp.contact_patches import contact_patches, holding_force
 from geom.grasp.gripper import Gripper, boxes, lowest
 from geom.mesh.farthest_points import farthest_points
 from geom.pose import matrix_of, quat_of
+from schemas.acceptance import StablePose
 from schemas.affordances import Grasp
 from schemas.anchors import Point3
 from schemas.arrays import BoolArray, FloatArray, IntArray
-from schemas.asset import StablePose, vec3
+from schemas.asset import vec3
 from schemas.physical_constants import GRAVITY_MPS2
 from schemas.physics import CollisionShape, Contact, RigidBody
 from sim.port import pair_value

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from schemas.asset import Check, SuiteSection
+from schemas.acceptance import Check, SuiteSection
 from schemas.diagnostics import Diagnostic
 
 # Folder of a library with a GIF per package: beside the packages, whose files are those that their records hash, and

@@ -15,7 +15,7 @@ from assetkit.acceptance.suites.table import SUITES
 from assetkit.library.acceptance_request import GATE, OBJECT, AcceptanceReport, AcceptanceRequest
 from gate.static_gate import gate
 from jobs.cache import write_atomically
-from schemas.asset import SuiteSection
+from schemas.acceptance import SuiteSection
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity
 from sim.named_engine import load_engine
 from sim.port import Simulator

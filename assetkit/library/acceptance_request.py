@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict
 
-from schemas.asset import Role, SuiteSection
+from schemas.acceptance import SuiteSection
+from schemas.asset import Role
 from schemas.diagnostics import Diagnostic, Severity
 
 GATE = "gate"  # the static rules of docs/reference/gate.md

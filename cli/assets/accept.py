@@ -15,7 +15,8 @@ from assetkit.library.acceptance_request import GATE, OBJECT, AcceptanceReport, 
 from cli import text
 from cli.engines import SIMULATOR
 from jobs.cell import Limits
-from schemas.asset import Role, SuiteSection
+from schemas.acceptance import SuiteSection
+from schemas.asset import Role
 
 _STYLE = {"passed": "green", "failed": "red", "not run": "dim"}
 

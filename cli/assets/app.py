@@ -29,7 +29,8 @@ from cli.engines import SIMULATOR
 from cli.findings import show_findings
 from jobs.cache import content_key, file_sha256
 from jobs.cell import Limits
-from schemas.asset import Role, SuiteSection
+from schemas.acceptance import SuiteSection
+from schemas.asset import Role
 from schemas.diagnostics import Diagnostic, Severity
 from schemas.outcome import ItemOutcome
 

@@ -25,8 +25,8 @@ from replay.recording.formats.read import read_episode
 from replay.recording.formats.write import write_variant
 from replay.verification.check_output import check_output, summary
 from replay.verification.inserted_bodies import inserted_body
-from schemas.episode import EPISODE_FILE
-from schemas.replay import Variant
+from schemas.replay.documents import Variant
+from schemas.replay.episode import EPISODE_FILE
 from usdio.write.scene import PACKAGES, copy_package
 
 VARIANTS, OBJECTS, SHOWN, ROWS = 6, 3, 3, 160

@@ -10,7 +10,7 @@ from jobs.cell import Limits
 from replay.cell_answer import answer, ask
 from replay.verification.check_output import check_output
 from schemas.diagnostics import Diagnostic, InvalidInput
-from schemas.replay import VariantCheck
+from schemas.replay.documents import VariantCheck
 
 LIMITS = Limits(seconds=4 * 3600.0, memory_mb=16384)
 

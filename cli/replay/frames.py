@@ -22,7 +22,7 @@ from replay.recording.recorded_numbers import invalid_recording
 from replay.variant_stage import timed_bodies, write_stage
 from replay.verification.check_output import read_variant, read_variant_episode
 from schemas.files import array_files
-from schemas.replay import Variant
+from schemas.replay.documents import Variant
 from schemas.scene.samples import SampledLighting
 from usdio.read.asset import read_stage
 from usdio.write.episode import COLORS, CONTEXT, INSERTED, inserted_prims

@@ -13,7 +13,7 @@ from cli.replay.frames import NoSuchCamera, draw_variant
 from jobs.cache import content_key, file_sha256, write_atomically
 from replay.cell_answer import answer
 from schemas.diagnostics import InvalidInput, finding
-from schemas.replay import VARIANT_FILE
+from schemas.replay.documents import VARIANT_FILE
 from usdio.write.scene import PACKAGES
 
 PICTURES, DRAWN = "pictures", "drawn.json"

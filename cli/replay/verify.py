@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from cli import text
-from schemas.replay import VariantCheck
+from schemas.replay.documents import VariantCheck
 
 MOST_LISTED_ROWS = 20
 

@@ -23,7 +23,7 @@ from replay.insertion.free_space import FreeSpace, buffered
 from replay.recording.episode import Camera
 from replay.views.visible_area import area_in_view
 from schemas.arrays import FloatArray
-from schemas.replay import Inserted
+from schemas.replay.documents import Inserted
 from schemas.scene.runtime_plan import PlanBody
 
 YAW_TRIES = 2  # of a body in a stance, at other yaws each time

@@ -17,7 +17,7 @@ from replay.verification.inserted_bodies import InsertedBody, inserted_body
 from replay.verification.link_check import check_links
 from replay.verification.settling import Settle, settling_motion
 from replay.verification.verify import near_pairs
-from schemas.replay import VARIANT_FILE, Inserted, Moved, Variant, VariantCheck
+from schemas.replay.documents import VARIANT_FILE, Inserted, Moved, Variant, VariantCheck
 
 AT_ONCE = 32  # Variants that share one dense replay of their recording.
 

@@ -11,7 +11,7 @@ from geom.pose import pose_from_quat
 from runtime_plan.bodies import PhysicalBody, physical_body
 from schemas.arrays import FloatArray
 from schemas.physics import RigidBody
-from schemas.replay import Inserted
+from schemas.replay.documents import Inserted
 from schemas.scene.runtime_plan import PlanBody
 
 

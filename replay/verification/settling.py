@@ -12,7 +12,7 @@ from replay.recording.episode import Episode
 from replay.verification.inserted_bodies import InsertedBody
 from schemas.arrays import FloatArray
 from schemas.physics import CollisionShape, MassProperties, RigidBody
-from schemas.replay import Moved
+from schemas.replay.documents import Moved
 from sim.port import PlacedBody
 from usdio.write.primitive import CONTACT
 

@@ -15,7 +15,7 @@ from replay.verification.dense import SUB_TIMES, dense_motion
 from replay.verification.inserted_bodies import InsertedBody
 from replay.verification.nearest import StaticShape, least_distance, moving_shape, static_shape
 from replay.verification.separation import distance_shape, separation_m
-from schemas.replay import Near
+from schemas.replay.documents import Near
 
 UNDERNEATH_M = 1e-3  # A shape whose top is no higher than this over the lowest point of an object lies under it.
 

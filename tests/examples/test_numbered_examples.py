@@ -18,7 +18,7 @@ import runtime_plan
 from replay.verification.check_output import check_output, summary
 from runtime_plan.verify import Judge
 from schemas import AssetRecord, GapReport, ItemOutcome
-from schemas.replay import VARIANT_FILE, Variant
+from schemas.replay.documents import VARIANT_FILE, Variant
 from tests.support.source_tree import PACKAGES, ROOT, parsed
 
 EXAMPLES = tuple(sorted((ROOT / "examples").glob("0*.py")))

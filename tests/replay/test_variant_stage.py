@@ -14,7 +14,7 @@ from replay.recording.formats.read import read_episode
 from replay.recording.formats.write import write_variant
 from replay.variant_stage import compose, timed_bodies
 from schemas.diagnostics import InvalidInput, Severity
-from schemas.replay import Inserted, Variant
+from schemas.replay.documents import Inserted, Variant
 from schemas.scene.program import BoxAsset, PairedMaterial
 from tests.conftest import SHARED
 from tests.support import replay_samples

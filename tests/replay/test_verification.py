@@ -27,7 +27,7 @@ from replay.verification.separation import centre_and_radius, distance_shape, se
 from replay.verification.verify import near_pairs
 from schemas.diagnostics import InvalidInput
 from schemas.physics import CollisionShape
-from schemas.replay import Inserted, Variant
+from schemas.replay.documents import Inserted, Variant
 from schemas.scene.program import BoxAsset
 from sim.bullet.scene import settle_scene
 from tests.support import bullet_recordings, replay_samples

@@ -11,9 +11,9 @@ from assetkit.acceptance.joints.policy import POLICY
 from geom.convex.placement import moved_shape
 from geom.convex.support_function import diagonal
 from geom.pose import pose
+from schemas.acceptance import Check
 from schemas.arrays import FloatArray
 from schemas.articulation import JointContact
-from schemas.asset import Check
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.mechanism import MechanismJoint
 from schemas.physics import RigidBody

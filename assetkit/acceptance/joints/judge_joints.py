@@ -21,9 +21,9 @@ from assetkit.acceptance.joints.checks import (
 from assetkit.acceptance.joints.policy import POLICY
 from assetkit.acceptance.joints.tasks import body_of, joint_tasks
 from assetkit.acceptance.joints.twins import check_twins
+from schemas.acceptance import Check
 from schemas.anchors import Anchor
 from schemas.articulation import JointContact
-from schemas.asset import Check
 from schemas.diagnostics import Diagnostic, finding
 from schemas.mechanism import Mechanism, MechanismJoint
 from sim.joint_exercise import Articulation, LinkOverlap

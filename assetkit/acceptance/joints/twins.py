@@ -10,7 +10,7 @@ from assetkit.acceptance.joints.policy import POLICY
 from formats import link_poses, read_mjcf, read_urdf
 from geom.mechanism_pose import joint_positions, link_frames, movable_joints
 from geom.pose import angle_between, inverse, quat_of
-from schemas.asset import Check
+from schemas.acceptance import Check
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 from schemas.mechanism import Mechanism, MechanismJoint
 from schemas.robot_description import RobotDescription

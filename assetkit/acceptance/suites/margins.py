@@ -15,7 +15,7 @@ from typing import Literal
 
 from assetkit.acceptance.suites.policy import POLICY
 from assetkit.acceptance.suites.suite import Conditions, Subject, Suite
-from schemas.asset import Check, Corner, Margin
+from schemas.acceptance import Check, Corner, Margin
 from sim.port import Simulator
 
 Quantity = Literal["friction", "mass_kg"]

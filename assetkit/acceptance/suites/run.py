@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from assetkit.acceptance.suites.margins import variations
 from assetkit.acceptance.suites.suite import NOMINAL, Subject, Suite, SuiteRun
-from schemas.asset import SuiteSection
+from schemas.acceptance import SuiteSection
 from schemas.diagnostics import Diagnostic
 from sim.port import Simulator
 

@@ -13,10 +13,11 @@ from assetkit.acceptance.suites.suite import Subject
 from assetkit.affordances.grasps import grasps_along
 from assetkit.package.record import read_record
 from geom.grasp.gripper import LARGE, MEDIUM, SMALL
+from schemas.acceptance import StablePose
 from schemas.affordances import AffordanceEvidence, Grasp, Region
 from schemas.anchors import Anchor
 from schemas.articulation import JointUse
-from schemas.asset import RECORD, AssetRecord, PhysicsSection, Role, StablePose
+from schemas.asset import RECORD, AssetRecord, PhysicsSection, Role
 from schemas.diagnostics import Location, finding
 from schemas.evidence import Evidence
 from sim.port import Simulator

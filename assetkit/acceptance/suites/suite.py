@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Protocol
 
 from assetkit.acceptance.suites.policy import POLICY
+from schemas.acceptance import Check, StablePose
 from schemas.affordances import Grasp, Region
 from schemas.anchors import Anchor
 from schemas.articulation import JointUse
-from schemas.asset import Check, Role, StablePose
+from schemas.asset import Role
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.physics import Contact, MassProperties, RigidBody
 from sim.grasp_trial import GraspTrace

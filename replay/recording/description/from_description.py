@@ -25,8 +25,8 @@ from replay.recording.recorded_numbers import RecordedStates, checked_numbers, c
 from replay.recording.robot_files import recorded_mjcf
 from replay.recording.shapes import hull, locate_mesh, mesh_points
 from schemas.arrays import FloatArray
-from schemas.episode import EpisodeDescription, MeshShape, Posed, RobotEntry, RoundShape, Shape, SphereShape
 from schemas.physics import CollisionShape
+from schemas.replay.episode import EpisodeDescription, MeshShape, Posed, RobotEntry, RoundShape, Shape, SphereShape
 
 
 def read_description(path: Path) -> EpisodeDescription:

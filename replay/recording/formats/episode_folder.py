@@ -13,7 +13,7 @@ from replay.recording.description.from_description import DescribedRecording, re
 from replay.recording.episode import Episode
 from replay.recording.files.tables import read_columns
 from replay.recording.recorded_numbers import invalid_recording
-from schemas.episode import EPISODE_FILE
+from schemas.replay.episode import EPISODE_FILE
 
 TABLE = "episode.parquet"
 

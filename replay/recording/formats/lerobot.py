@@ -18,7 +18,7 @@ from replay.recording.description.from_description import DescribedRecording, re
 from replay.recording.episode import Episode
 from replay.recording.files.tables import Columns, read_columns
 from replay.recording.recorded_numbers import invalid_recording
-from schemas.episode import EPISODE_FILE
+from schemas.replay.episode import EPISODE_FILE
 
 INFO = "meta/info.json"
 VERSIONS = ("v2.0", "v2.1", "v3.0")

@@ -20,7 +20,7 @@ from replay.recording.episode import Episode
 from replay.recording.files.hdf5 import child, numbered, open_hdf5, values
 from replay.recording.files.tables import Columns
 from replay.recording.recorded_numbers import invalid_recording
-from schemas.episode import EPISODE_FILE, EpisodeDescription
+from schemas.replay.episode import EPISODE_FILE, EpisodeDescription
 
 ROOT = 13
 

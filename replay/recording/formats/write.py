@@ -18,8 +18,8 @@ from replay.recording.files.mesh_archive import MESHES
 from replay.recording.formats.digests import recording_bytes, recording_files, stream_digests
 from replay.recording.formats.episode_folder import is_table
 from replay.recording.formats.maniskill import json_of_part
-from schemas.episode import EPISODE_FILE, MeshShape
-from schemas.replay import VARIANT_FILE, Variant
+from schemas.replay.documents import VARIANT_FILE, Variant
+from schemas.replay.episode import EPISODE_FILE, MeshShape
 
 RECORDING = "recording"
 

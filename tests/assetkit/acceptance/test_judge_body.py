@@ -15,7 +15,7 @@ from assetkit.acceptance.judge_body import AcceptanceResult, accept
 from assetkit.acceptance.settling import settle_and_drop
 from geom.convex.support_function import bounds, surface
 from geom.pose import pose
-from schemas.asset import AcceptanceSection
+from schemas.acceptance import AcceptanceSection
 from schemas.diagnostics import Severity
 from schemas.physics import CollisionShape, RigidBody
 from sim.bullet.simulator import BulletSimulator

@@ -23,7 +23,7 @@ from assetkit.acceptance.stable_poses import (
 )
 from geom.convex.support_function import support
 from geom.pose import matrix_of
-from schemas.asset import StablePose
+from schemas.acceptance import StablePose
 from schemas.physics import RigidBody
 from sim.bullet.simulator import BulletSimulator
 from sim.fake import FakeSimulator

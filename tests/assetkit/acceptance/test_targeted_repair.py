@@ -25,7 +25,7 @@ from assetkit.pipeline import STAGES
 from assetkit.stage import Draft, Edits
 from assetkit.stage_log import Entry, StageLog
 from cli.codes import all_codes
-from schemas.asset import Check, SuiteSection
+from schemas.acceptance import Check, SuiteSection
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, declared, inferred
 from schemas.outcome import ItemOutcome

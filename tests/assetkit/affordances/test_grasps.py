@@ -12,7 +12,7 @@ from assetkit.affordances.grasps import grasps_along, propose_grasps
 from geom.convex.convex_union import ConvexUnion
 from geom.grasp.gripper import Gripper, boxes, lowest
 from geom.pose import matrix_of, pose, pose_from_quat, quat_of
-from schemas.asset import StablePose
+from schemas.acceptance import StablePose
 from schemas.physics import CollisionShape, Contact, MassProperties, RigidBody
 
 CONTACT = Contact(static_friction=0.5, dynamic_friction=0.4, restitution=0.0)

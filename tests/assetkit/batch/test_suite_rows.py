@@ -9,7 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from assetkit.batch.suite_rows import VIDEOS, suite_rows, withdrawn_roles
 from assetkit.sources.discover import slug
-from schemas.asset import Check, Corner, Margin, SuiteSection
+from schemas.acceptance import Check, Corner, Margin, SuiteSection
 from schemas.diagnostics import finding
 
 GOOD = Check(name="fits", value=0.0, bound=1.0, unit="", passed=True)

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from assetkit.package.record import RECORD
 from cli.main import app
-from schemas.asset import Check, Margin, SuiteSection
+from schemas.acceptance import Check, Margin, SuiteSection
 from schemas.diagnostics import finding
 
 

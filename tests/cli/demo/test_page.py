@@ -9,7 +9,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, nodes
 import cli.demo
 from assetkit.batch.suite_rows import suite_rows
 from cli.demo.acceptance import AcceptanceDemo
-from schemas.asset import Check, Margin, SuiteSection
+from schemas.acceptance import Check, Margin, SuiteSection
 
 TEMPLATE = Path(cli.demo.__file__).parent / "templates" / "demo.html"
 OPTIONAL = {"scene", "mechanism", "accepted", "replay"}  # arguments of `write_page` that may be None or empty

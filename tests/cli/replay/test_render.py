@@ -18,7 +18,7 @@ from replay.verification.inserted_bodies import inserted_body
 from replay.views import visibility
 from replay.views.visibility import TaskPixels, convex_polyhedra, in_world, newly_hidden, task_pixels
 from schemas.diagnostics import InvalidInput
-from schemas.replay import Inserted
+from schemas.replay.documents import Inserted
 from tests.replay.test_variant_stage import BOX, variant_in
 from tests.support import replay_samples
 

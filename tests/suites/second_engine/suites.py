@@ -20,7 +20,7 @@ from assetkit.acceptance.suites.subject import subject_on_disk
 from assetkit.acceptance.suites.suite import NOMINAL, Subject, SuiteRun
 from assetkit.library.validate import main_usd_files
 from geom.convex.support_function import diagonal
-from schemas.asset import Check
+from schemas.acceptance import Check
 from schemas.diagnostics import InvalidInput
 from sim.bullet.simulator import BulletSimulator
 from sim.port import LARGEST_M, SMALLEST_M, Simulator

@@ -12,7 +12,7 @@ from assetkit.acceptance.suites.common import CommonSuite
 from assetkit.acceptance.suites.manipulated import ManipulatedSuite
 from assetkit.acceptance.suites.suite import NOMINAL, Conditions
 from assetkit.affordances.grasps import propose_grasps
-from schemas.asset import Check
+from schemas.acceptance import Check
 from sim.bullet.simulator import BulletSimulator
 from sim.grasp_trial import Phase
 from sim.port import DropSettings, Simulator, world_for

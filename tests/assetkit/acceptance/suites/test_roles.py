@@ -8,7 +8,7 @@ from assetkit.acceptance.suites.roles import judge_roles
 from assetkit.acceptance.suites.run import SuiteResult, run_suite, suites_for
 from assetkit.acceptance.suites.suite import Suite
 from assetkit.acceptance.suites.table import SUITES
-from schemas.asset import SuiteSection
+from schemas.acceptance import SuiteSection
 from schemas.codes import CODES
 from schemas.diagnostics import finding
 from schemas.evidence import declared, inferred

@@ -15,7 +15,7 @@ from replay.recording.kinematics import link_poses
 from replay.verification.check_output import check_output
 from replay.verification.link_check import check_links
 from schemas.diagnostics import InvalidInput
-from schemas.replay import Variant
+from schemas.replay.documents import Variant
 from tests.support import bullet_recordings
 from tests.support.replay_samples import columns, write
 

@@ -1,0 +1,1 @@
+"""Documents of replay: recorded episodes, and what is made of them."""
