@@ -49,11 +49,17 @@ class Margin(_Section):
     bounds: tuple[float, float]
 
     @property
+    def word(self) -> str:
+        """The quantity in prose."""
+        return "mass" if self.quantity == "mass_kg" else "friction"
+
+    @property
     def statement(self) -> str:
         """In words what limits it; "" where it passes within all of its bounds."""
-        limits = [f">= {self.low:.3g}"] if self.low > self.bounds[0] else []
-        limits += [f"<= {self.high:.3g}"] if self.high < self.bounds[1] else []
-        return f"holds for {self.quantity} {' and '.join(limits)}" if limits else ""
+        unit = " kg" if self.quantity == "mass_kg" else ""
+        limits = [f">= {self.low:.3g}{unit}"] if self.low > self.bounds[0] else []
+        limits += [f"<= {self.high:.3g}{unit}"] if self.high < self.bounds[1] else []
+        return f"holds for {self.word} {' and '.join(limits)}" if limits else ""
 
 
 class Corner(_Section):

@@ -88,7 +88,7 @@ def _margins(suite: SuiteSection) -> tuple[str, ...]:
     limits = tuple(margin.statement for margin in suite.margins if margin.statement)
     if limits or not suite.margins or not all(corner.passed for corner in suite.corners):
         return limits
-    return (f"holds within all bounds of {' and '.join(margin.quantity for margin in suite.margins)}",)
+    return (f"holds within all bounds of {' and '.join(margin.word for margin in suite.margins)}",)
 
 
 def _failure(check: Check) -> str:

@@ -58,6 +58,7 @@ def test_the_limit_is_found_and_lies_on_the_safe_side() -> None:
     assert friction.high == 0.8
     assert friction.statement == f"holds for friction >= {friction.low:.3g}"
     assert mass.low == 0.05
+    assert mass.statement == f"holds for mass <= {mass.high:.3g} kg"
     assert 0.32 / (1.0 + POLICY.margin_share) <= mass.high <= 0.32  # 0.4 / 0.25 times 0.2 kg
     # Corners: a fifth of the mass makes up for a quarter of the friction.
     assert [(c.friction, c.mass_kg, c.passed) for c in varied.corners] == [
