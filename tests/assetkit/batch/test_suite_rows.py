@@ -56,7 +56,7 @@ def test_a_suite_that_was_not_run_shows_why() -> None:
         (passed((True, False), margin("friction", 0.45, 0.8)), "1 of 1 checks; holds for friction >= 0.45"),
         (
             passed((True,) * 4, margin("friction", 0.2, 0.8), margin("mass_kg", 0.2, 0.8)),
-            "1 of 1 checks; holds within all bounds of friction and mass_kg",
+            "1 of 1 checks; holds within all bounds of friction and mass",
         ),
         # Each alone holds over all of its bounds, both together do not: no margin may say that they do.
         (
