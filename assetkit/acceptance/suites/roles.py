@@ -34,8 +34,10 @@ def judge_roles(roles: Sequence[Evidence[str]], results: Sequence[SuiteResult]) 
             findings += result.findings
             review |= bool(result.suite.roles)
             continue
-        for role in promised:
-            withdrawn.add(role.value)
-            headline = f"the role '{role.value}' is not borne out in simulation: {result.findings[0].headline}"
-            findings.append(finding("asset/role-withdrawn", headline, because=result.findings))
+        lost = [role.value for role in promised]
+        withdrawn |= set(lost)
+        names = " and ".join(f"'{name}'" for name in lost)
+        number = "the role {} is" if len(lost) == 1 else "the roles {} are"
+        headline = f"{number.format(names)} not borne out in simulation: {result.findings[0].headline}"
+        findings.append(finding("asset/role-withdrawn", headline, because=result.findings))
     return RoleVerdict(tuple(sorted(withdrawn)), tuple(findings), review)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from assetkit.acceptance.suites.common import CommonSuite
+from assetkit.acceptance.suites.fixture import FixtureSuite
 from assetkit.acceptance.suites.manipulated import ManipulatedSuite
 from assetkit.acceptance.suites.roles import judge_roles
 from assetkit.acceptance.suites.run import SuiteResult, run_suite, suites_for
@@ -32,6 +33,13 @@ def test_a_guess_that_fails_is_withdrawn_with_the_reason() -> None:
     assert [f.code for f in verdict.findings] == ["asset/role-withdrawn"]
     assert [f.code for f in verdict.findings[0].because] == ["asset/handling-no-grasp"]
     assert not verdict.review
+
+
+def test_roles_that_one_suite_fails_are_withdrawn_by_one_finding() -> None:
+    guesses = tuple(inferred(role, "usual", 0.8) for role in ("fixture", "openable", "receptacle"))
+    verdict = judge_roles(guesses, (result(FixtureSuite(), "failed"),))
+    assert verdict.withdrawn == ("fixture", "openable")
+    assert [f.headline.split(" not borne")[0] for f in verdict.findings] == ["the roles 'fixture' and 'openable' are"]
 
 
 def test_a_promise_that_fails_stays_and_a_person_looks() -> None:
