@@ -3,7 +3,7 @@
 From readings at their stamps to two times. A radian of the motion is the spread of positions over that of rates, for
 the joint for which it is least. Local cubics span a quarter of it, or of the spread of rates over that of
 accelerations where that is less: joints that stand and then jump move slowly on average, but not when they move. What
-drifts through its trials has no time of its own: then both are shares of the length of a trial.
+drifts through its trials has no time of its own: a radian is at most a twelfth of a trial, a span a quarter of that.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from simgap.recording.recording import Trial
 CUBIC_ORDER = 3
 LEAST_CUBIC_ROWS = 7  # of a local cubic with four free numbers: the rest shows the noise
 _SPAN_RADIANS = 0.25  # a cubic through a sine strays by 2e-5 of its amplitude over this
-# Least radians and cubics in a trial: a swing of two periods has 12 radians, and each has four cubics.
-_RADIANS_PER_TRIAL, _CUBICS_PER_TRIAL = 12.0, 48.0
+_RADIANS_PER_TRIAL = 12.0  # at least: a swing of two periods has so many
+_CUBICS_PER_TRIAL = _RADIANS_PER_TRIAL / _SPAN_RADIANS
 _LADDER = 1.25  # between one span that is tried and the next
 _SCALE_ROUNDS, _SETTLED = 8, 0.01  # of the span that its own accelerations ask for; three rounds are usual
 _MOVES = 3.0  # noise levels; a joint that moves by less has no time scale

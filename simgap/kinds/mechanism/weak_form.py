@@ -17,6 +17,8 @@ from scipy.signal import savgol_coeffs
 from schemas.arrays import FloatArray, IntArray
 from simgap.kinds.mechanism.time_scale import CUBIC_ORDER
 
+_FEWEST_WEIGHTS = 3  # rows that a second derivative needs
+
 
 @dataclass(frozen=True)
 class WeakMeans:
@@ -41,7 +43,7 @@ def weak_means(t_s: FloatArray, rows: int, smoothed_rows: int) -> WeakMeans:
     step = float(np.median(np.diff(t_s)))
     even = np.arange(t_s[0], t_s[-1] + 0.01 * step, step)
     cubic = np.asarray(savgol_coeffs(max(smoothed_rows, CUBIC_ORDER + 2) | 1, CUBIC_ORDER))
-    rows = max(min(rows, len(even) - len(cubic) + 1), 1)
+    rows = max(min(rows, len(even) - len(cubic) + 1), _FEWEST_WEIGHTS)
     phase = np.pi * (np.arange(rows) + 0.5) / rows
     weight = np.sin(phase) ** 4
     curvature = 12.0 * (np.sin(phase) * np.cos(phase)) ** 2 - 4.0 * weight

@@ -134,6 +134,15 @@ def test_a_joint_that_jumps_is_followed_at_its_jumps():
     assert 0.005 < scale.span_s < 0.02
 
 
+def test_a_joint_that_drifts_through_its_trial_has_shares_of_the_trial():
+    """A fifth of a period: the motion alone would give a radian longer than half of the trial."""
+    t_s = np.arange(0.0, 4.0, 5e-3)
+    q = np.sin(0.3 * t_s)[:, None] + np.random.default_rng(0).normal(0.0, NOISE_RAD, (len(t_s), 1))
+    scale = time_scale([_trial("a", t_s, q)])
+    assert scale.radian_s == pytest.approx(t_s[-1] / 12.0)
+    assert scale.span_s == pytest.approx(t_s[-1] / 48.0)
+
+
 def test_rows_that_are_too_few_for_a_cubic_are_refused():
     with pytest.raises(ValueError, match="6 rows are too few"):
         time_scale([_trial("a", np.arange(6.0), np.zeros((6, 1)))])

@@ -19,6 +19,13 @@ def test_a_parabola_has_its_acceleration_in_every_stretch() -> None:
     assert means(weak, np.full((ROWS, 1), 7.0)) == pytest.approx(7.0, rel=1e-9)
 
 
+@pytest.mark.parametrize(("count", "stretches"), [(12, 0), (13, 0), (14, 0), (15, 1), (20, 1)])
+def test_short_trials_have_the_acceleration_of_a_parabola_or_no_stretch(count: int, stretches: int) -> None:
+    weak = [weak_means(T_S[:count], STRETCH, 13)]
+    found = mean_accelerations(weak, 3.5 * T_S[:count, None] ** 2)
+    assert found == pytest.approx(np.full((stretches, 1), 7.0), rel=1e-9)
+
+
 @pytest.mark.parametrize("jitter", [0.0, 0.3])
 def test_a_fast_swing_balances_where_local_cubics_lose_a_tenth(jitter: float) -> None:
     rng = np.random.default_rng(0)

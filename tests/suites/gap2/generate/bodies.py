@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from tests.suites.gap2.generate.arrays import Array
-from tests.suites.gap2.generate.flight import flight_rates, njit
-from tests.suites.gap2.generate.tumbling import box_corners, tumble_runs
+from tests.suites.gap2.generate.flight import flight_rates, flight_step, njit
+from tests.suites.gap2.generate.tumbling import box_corners, on_board, tumble_runs
 
 GRAVITY = 9.81  # m/s2
 _LARGEST_STEP_S = 2e-3
@@ -122,10 +122,7 @@ def _fly_runs(t, start, pull, forces, inertia, out):
             for s in range(steps):
                 now = t[r, row] + s * h
                 flight_rates(x, now, pull, forces, inertia, k[0])
-                flight_rates(x + 0.5 * h * k[0], now + 0.5 * h, pull, forces, inertia, k[1])
-                flight_rates(x + 0.5 * h * k[1], now + 0.5 * h, pull, forces, inertia, k[2])
-                flight_rates(x + h * k[2], now + h, pull, forces, inertia, k[3])
-                x = x + h / 6.0 * (k[0] + 2.0 * k[1] + 2.0 * k[2] + k[3])
+                x = flight_step(x, now, h, pull, forces, inertia, k)
                 x[3:7] /= np.sqrt((x[3:7] ** 2).sum())
             out[r, row + 1] = x
 
@@ -134,7 +131,7 @@ def _fly_runs(t, start, pull, forces, inertia, out):
 def _slide_runs(t, start, grip, pull, drags, board, out):
     """Midpoint steps along a level board; what friction would turn back within a step stops, and stays where it can.
 
-    grip is the friction of a uniform board per mass; board (roughness, its repeats per m, share that speed takes).
+    grip is the friction of a uniform board per mass; board is that of `on_board`.
     """
     for r in range(len(t)):
         x = start[r].copy()
@@ -148,7 +145,7 @@ def _slide_runs(t, start, grip, pull, drags, board, out):
                 ax, ay = 0.0, 0.0
                 for half in range(2):
                     speed = np.sqrt(vx * vx + vy * vy)
-                    rubs = grip * (1.0 + board[0] * np.sin(board[1] * px)) * (1.0 - board[2] * speed / (speed + 0.3))
+                    rubs = on_board(grip, board, px, speed)
                     slows = rubs / max(speed, 1e-12) + drags[0] + drags[1] * speed
                     ax, ay = pull[0] - slows * vx, pull[1] - slows * vy
                     if half == 0:

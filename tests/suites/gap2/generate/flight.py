@@ -40,3 +40,12 @@ def flight_rates(x, t, pull, forces, inertia, dx):
     dx[10] = (inertia[1] - inertia[2]) * wy * wz / inertia[0]
     dx[11] = (inertia[2] - inertia[0]) * wz * wx / inertia[1]
     dx[12] = (inertia[0] - inertia[1]) * wx * wy / inertia[2]
+
+
+@njit
+def flight_step(x, now, h, pull, forces, inertia, k):
+    """State after h by a fourth-order Runge-Kutta step; k (4, 13) holds the derivative at x in its first row."""
+    flight_rates(x + 0.5 * h * k[0], now + 0.5 * h, pull, forces, inertia, k[1])
+    flight_rates(x + 0.5 * h * k[1], now + 0.5 * h, pull, forces, inertia, k[2])
+    flight_rates(x + h * k[2], now + h, pull, forces, inertia, k[3])
+    return x + h / 6.0 * (k[0] + 2.0 * k[1] + 2.0 * k[2] + k[3])

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.suites.gap2.generate.arrays import Array
-from tests.suites.gap2.generate.flight import flight_rates, njit
+from tests.suites.gap2.generate.flight import flight_rates, flight_step, njit
 
 _STEP_S = 2.5e-4
 _SWEEPS, _SETTLED = 60, 1e-7  # of impulses, and their change over mass (m/s) that ends them
@@ -21,6 +21,13 @@ def box_corners(size_m: Array) -> Array:
     """(8, 3) corners of a box about its middle."""
     signs = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     return signs * size_m
+
+
+@njit
+def on_board(friction, board, x_m, speed_mps):
+    """Friction there and at that speed; board (roughness, its repeats in rad/m, share that speed takes)."""
+    rubs = friction * (1.0 + board[0] * np.sin(board[1] * x_m))
+    return rubs * (1.0 - board[2] * speed_mps / (speed_mps + _SLOW_MPS))
 
 
 @njit
@@ -81,8 +88,7 @@ def _stop_corners(height, x_m, levers, v, w, inverse, mu, board, h):
             normal[i] = j
             ux, uy, _uz = _speed(v, w, r)
             speed = np.sqrt(ux * ux + uy * uy)
-            rubs = mu * (1.0 + board[0] * np.sin(board[1] * (x_m + r[0])))
-            most = rubs * (1.0 - board[2] * speed / (speed + _SLOW_MPS)) * j
+            most = on_board(mu, board, x_m + r[0], speed) * j
             jx, jy = along[i, 0] - ux / yields[i, 0], along[i, 1] - uy / yields[i, 0]
             size = np.sqrt(jx * jx + jy * jy)
             if size > most:
@@ -96,7 +102,7 @@ def _stop_corners(height, x_m, levers, v, w, inverse, mu, board, h):
 
 @njit
 def tumble_runs(t, start, pull, forces, inertia, corners, mu, board, out):
-    """Every run into out (r, rows, 13); inertia (3,) and forces are per mass, board as in sliding."""
+    """Every run into out (r, rows, 13); inertia (3,) and forces are per mass, board as in `on_board`."""
     k, R = np.empty((4, 13)), np.empty((3, 3))
     radius = np.sqrt((corners**2).sum(axis=1)).max()
     for run in range(len(t)):
@@ -113,10 +119,7 @@ def tumble_runs(t, start, pull, forces, inertia, corners, mu, board, out):
                 _matrix(x[3:7], R)
                 lowest = x[2] + (corners @ R[2]).min()
                 if lowest > 2.0 * h * speed + 10.0 * h * h * np.sqrt((pull**2).sum()):
-                    flight_rates(x + 0.5 * h * k[0], now + 0.5 * h, pull, forces, inertia, k[1])
-                    flight_rates(x + 0.5 * h * k[1], now + 0.5 * h, pull, forces, inertia, k[2])
-                    flight_rates(x + h * k[2], now + h, pull, forces, inertia, k[3])
-                    x = x + h / 6.0 * (k[0] + 2.0 * k[1] + 2.0 * k[2] + k[3])
+                    x = flight_step(x, now, h, pull, forces, inertia, k)
                 else:
                     v = x[7:10] + h * k[0][7:10]
                     w = R @ (x[10:] + h * k[0][10:])
