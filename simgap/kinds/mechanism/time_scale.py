@@ -59,7 +59,7 @@ def time_scale(trials: Sequence[Trial]) -> TimeScale:
     row_s = min(step for step, _, _ in evened)
     trial_s = float(np.median([times[-1] - times[0] for _, times, _ in evened]))
     span_s = max(min(_least_cross_validation(evened), trial_s / _CUBICS_PER_TRIAL), LEAST_CUBIC_ROWS * row_s)
-    radian_s, _ = _radians(evened, span_s) or (span_s / _SPAN_RADIANS,) * 2
+    radian_s = span_s / _SPAN_RADIANS
     for _ in range(_SCALE_ROUNDS):
         radians = _radians(evened, span_s)
         if radians is None:
