@@ -17,13 +17,15 @@ from jobs.cache import Cache
 from schemas.acceptance import AcceptanceSection
 from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
+from schemas.appearance.material import Material
+from schemas.appearance.record import AppearanceSection
 from schemas.arrays import FloatArray
 from schemas.articulation import JointUse, SweptVolume
-from schemas.asset import AppearanceSection, GeometrySection, PhysicsSection, SemanticsSection, SourceFile
+from schemas.asset import GeometrySection, PhysicsSection, SemanticsSection, SourceFile
 from schemas.diagnostics import Diagnostic
 from schemas.evidence import Evidence, default
 from schemas.mechanism import Mechanism
-from schemas.model import Axis, Material, Mesh, Model
+from schemas.model import Axis, Mesh, Model
 from schemas.outcome import Outcome, Repair
 from schemas.package import LinkBody
 from schemas.parts import Part

@@ -26,8 +26,8 @@ from render.studio import add_environment_light
 from render.surfaces import ShadedSurface, actor, surfaces
 from render.textures import TextureSet
 from render.window import offscreen_window
+from schemas.appearance.material import Material
 from schemas.arrays import Float32Array, FloatArray, IntArray
-from schemas.model import Material
 
 RGB, DEPTH, INSTANCES = "rgb", "depth", "instances"
 MM_PER_M = 1000.0

@@ -14,8 +14,9 @@ from render.request import RenderRequest
 from render.surfaces import actor, surfaces
 from render.textures import TextureSet
 from render.window import take_picture
+from schemas.appearance.material import Material
 from schemas.arrays import IntArray
-from schemas.model import Material, Mesh, Model
+from schemas.model import Mesh, Model
 
 _GREY = (0.72, 0.72, 0.72)
 UNLABELLED = "unlabelled"

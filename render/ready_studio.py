@@ -22,8 +22,9 @@ from render.drawn_grasp import DrawnGrasp
 from render.request import RenderRequest
 from render.studio import studio_renderer
 from render.window import offscreen_window
+from schemas.appearance.material import Material, Texture, TextureUse
 from schemas.evidence import default
-from schemas.model import Material, Mesh, Model, Texture, TextureUse
+from schemas.model import Mesh, Model
 from schemas.physics import CollisionShape
 
 _SAMPLE_PX = 16  # Shaders do not depend on the size of a picture.

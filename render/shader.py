@@ -1,4 +1,4 @@
-"""The material shader: texture look-ups of one `schemas.model.Material` written into VTK's own PBR shader.
+"""The material shader: texture look-ups of a `schemas.appearance.material.Material` in VTK's own PBR shader.
 
 VTK binds one image per PBR input, with one set of texture coordinates, fixed channels and per-vertex tangents. Models
 here have a channel, wrap mode and transform per input and several UV sets, so the look-ups are generated instead; the
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from schemas.model import Material, TextureUse
+from schemas.appearance.material import Material, TextureUse
 
 # Lines of VTK's generated fragment shader that the code is anchored to.
 _BEFORE_LIGHTING = "vec3 N = normalVCVSOutput;"

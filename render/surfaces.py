@@ -12,8 +12,9 @@ from render.camera import AnnotationFrame
 from render.polydata import triangle_soup
 from render.shader import TextureSlot, fragment_replacements, sampler_name, texture_uses, vertex_replacements
 from render.textures import TextureSet
+from schemas.appearance.material import Material, TextureUse
 from schemas.arrays import AnyFloatArray, Float32Array
-from schemas.model import Material, Mesh, Model, TextureUse
+from schemas.model import Mesh, Model
 
 _NEUTRAL = Material(name="neutral", base_color=(0.62, 0.62, 0.62), roughness=0.6)
 _COLOR = "manaColor"

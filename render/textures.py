@@ -11,7 +11,7 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkRenderingCore import vtkTexture
 from vtkmodules.vtkRenderingOpenGL2 import vtkOpenGLTexture
 
-from schemas.model import Texture
+from schemas.appearance.material import Texture
 
 MAX_EDGE_PX = 1024  # A 512 px picture with 2 x 2 samples shows no more.
 

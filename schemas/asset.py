@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from schemas.acceptance import AcceptanceSection
 from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
+from schemas.appearance.record import AppearanceSection
 from schemas.arrays import FloatArray
 from schemas.articulation import JointUse
 from schemas.diagnostics import Diagnostic
@@ -142,19 +143,6 @@ class GeometrySection(_Section):
         default=None,
         description="how far the physical surface lies from the visible one, or visible parts outside of it",
     )
-
-
-class AppearanceSection(_Section):
-    """Render materials as authored, and features of the source that UsdPreviewSurface cannot express.
-
-    `colours` are basic colour terms with their share of the visible surface, by the base colours that materials,
-    textures and vertices state; empty when nothing states one.
-    """
-
-    materials: tuple[str, ...]
-    colours: dict[str, float] = {}
-    textures: tuple[str, ...]
-    unmapped: dict[str, dict[str, Any]] = {}
 
 
 class CategoryHypothesis(_Section):

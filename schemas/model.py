@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import ConfigDict
 
+from schemas.appearance.material import Material, Texture
 from schemas.arrays import Float32Array, FloatArray, IntArray
 from schemas.evidence import Evidence
 from schemas.identifiers import unique_identifiers
@@ -19,67 +20,6 @@ from schemas.stated_physics import StatedContact, StatedMass
 
 MESH_FALLBACK = "mesh"  # The id of a mesh whose name has no letter or digit.
 Axis = Literal["x", "y", "z"]
-Channel = Literal["r", "g", "b", "a", "rgb"]
-AlphaMode = Literal["opaque", "mask", "blend"]
-
-
-@dataclass(frozen=True)
-class Texture:
-    """An image file, byte for byte as the source holds it (PNG or JPEG; other formats are converted to PNG)."""
-
-    name: str  # unique within the model, without extension
-    data: bytes
-    extension: Literal["png", "jpg"]
-    width: int
-    height: int
-
-
-@dataclass(frozen=True)
-class TextureUse:
-    """One sampling of a texture by a material input; the sampled value is `texel * scale + bias`."""
-
-    texture: str  # Texture.name
-    channel: Channel = "rgb"
-    uv_set: int = 0
-    wrap_s: Literal["repeat", "clamp", "mirror", "black"] = "repeat"
-    wrap_t: Literal["repeat", "clamp", "mirror", "black"] = "repeat"
-    # UV transform in the USD order (scale, then rotate, then translate), with v pointing up.
-    uv_scale: tuple[float, float] = (1.0, 1.0)
-    uv_rotation_rad: float = 0.0
-    uv_offset: tuple[float, float] = (0.0, 0.0)
-    scale: float = 1.0
-    bias: float = 0.0
-
-
-@dataclass(frozen=True)
-class Material:
-    """Metallic-roughness PBR. Colours are linear RGB in 0..1; a texture multiplies the scalar beside it.
-
-    `unmapped` keeps every source property that has no field here, as plain JSON, so that nothing is lost silently.
-    """
-
-    name: str
-    base_color: tuple[float, float, float] = (0.8, 0.8, 0.8)
-    base_color_texture: TextureUse | None = None
-    metallic: float = 0.0
-    metallic_texture: TextureUse | None = None
-    roughness: float = 0.5
-    roughness_texture: TextureUse | None = None
-    normal_texture: TextureUse | None = None
-    normal_scale: float = 1.0
-    occlusion_texture: TextureUse | None = None
-    emissive: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    emissive_texture: TextureUse | None = None
-    opacity: float = 1.0
-    opacity_texture: TextureUse | None = None
-    alpha_mode: AlphaMode = "opaque"
-    alpha_cutoff: float = 0.5
-    double_sided: bool = False
-    ior: float = 1.5
-    clearcoat: float = 0.0
-    clearcoat_roughness: float = 0.0
-    transmission: float = 0.0
-    unmapped: dict[str, Any] = field(default_factory=dict[str, Any])
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,11 @@ from geom.solid.closed_bodies import sort_bodies
 from geom.solid.self_intersections import resolve_bodies
 from geom.solid.solid_distance import SolidDistance, solid_distance
 from geom.solid.solidify import solidify
+from schemas.appearance.material import Material
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence
-from schemas.model import Material, Mesh
+from schemas.model import Mesh
 from schemas.outcome import Repair
 from schemas.physics import Solid
 

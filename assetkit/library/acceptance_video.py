@@ -19,9 +19,10 @@ from assetkit.package.preview_images import render_motion
 from geom.mechanism_pose import link_motions
 from geom.mesh.primitives import cube
 from jobs.cache import write_atomically
+from schemas.appearance.material import Material
 from schemas.arrays import FloatArray
 from schemas.mechanism import Mechanism
-from schemas.model import Material, Mesh, Model
+from schemas.model import Mesh, Model
 from sim.grasp_trial import GraspTrace
 from sim.joint_handling import HandlingTrace
 

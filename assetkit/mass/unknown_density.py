@@ -10,8 +10,9 @@ from assetkit.mass.excluded_materials import excluded_materials
 from assetkit.readers.by_format import CAD_FORMATS
 from geom.convex.hull import convex_hull
 from geom.mesh.surface_distance import triangle_areas
+from schemas.appearance.material import Material
 from schemas.evidence import Evidence, default
-from schemas.model import Material, Mesh
+from schemas.model import Mesh
 from schemas.physics import Solid
 
 # Mass over the volume inside the outer surface. Of household things the size of a cube of 10 cm: 150 to 1100 kg/m3,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from geom.solid.solidify import assumed_wall_m
+from schemas.appearance.material import Material
 from schemas.evidence import Evidence, declared, default, inferred
-from schemas.model import Material
 
 # The true wall of a sheet is within these factors of the guess by size (`assumed_wall_m`).
 SHEET_WALL_FACTORS = (0.4, 2.5)

@@ -10,9 +10,10 @@ from dataclasses import fields, replace
 
 from assetkit.materials.surface_colours import surface_colours
 from assetkit.stage import Appearance
-from schemas.asset import AppearanceSection
+from schemas.appearance.material import Material, TextureUse
+from schemas.appearance.record import AppearanceSection
 from schemas.diagnostics import Diagnostic, Location, finding
-from schemas.model import Material, Model, TextureUse
+from schemas.model import Model
 from schemas.outcome import Outcome, Repair
 
 STAGE = "appearance"
@@ -41,7 +42,7 @@ def normalize(model: Model) -> Outcome[Appearance]:
                 )
             )
         materials.append(_with_known_textures(clean, known))
-    used = sorted({use.texture for m in materials for use in _texture_uses(m)})
+    used = sorted({use.texture for m in materials for use in m.texture_uses.values()})
     section = AppearanceSection(
         materials=tuple(m.name for m in materials),
         textures=tuple(used),
@@ -84,10 +85,6 @@ def _out_of_range(material: Material, name: str, old: object, new: object) -> Di
         value=str(old),
         bound="0..1",
     )
-
-
-def _texture_uses(material: Material) -> list[TextureUse]:
-    return [v for f in fields(material) if isinstance(v := getattr(material, f.name), TextureUse)]
 
 
 def _with_known_textures(material: Material, known: set[str]) -> Material:

@@ -10,9 +10,10 @@ from assetkit.materials.surface_appearance import METALNESSES, ROUGHNESSES, TONE
 from assetkit.taxonomy.category_materials import appearance_table, class_names, household_prior, material_prior
 from assetkit.taxonomy.material_classes import UNKNOWN, mentioned_material
 from assetkit.taxonomy.words import words_of
+from schemas.appearance.material import Material
 from schemas.arrays import FloatArray, IntArray
 from schemas.evidence import Evidence, default, inferred
-from schemas.model import Material, Mesh, Model
+from schemas.model import Mesh, Model
 from schemas.parts import Part
 
 CONTENTS = "food"  # In the name of a thing that is never made of it, a word for it names the contents.

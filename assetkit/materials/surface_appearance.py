@@ -9,8 +9,9 @@ import numpy as np
 
 from assetkit.materials.colour_names import lab_of
 from assetkit.materials.surface_samples import Pixels, base_colours, pixels_of, sample_surface, scalars
+from schemas.appearance.material import Material
 from schemas.arrays import FloatArray, IntArray
-from schemas.model import Material, Mesh, Model
+from schemas.model import Mesh, Model
 
 TONES = ("dark", "grey", "white", "earthy", "muted", "vivid")
 ROUGHNESSES = ("smooth", "satin", "rough")

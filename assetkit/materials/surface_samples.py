@@ -10,8 +10,9 @@ import numpy as np
 from assetkit.readers.common.corners import srgb_to_linear
 from render.surfaces import placed_uvs
 from render.textures import decode_rgba
+from schemas.appearance.material import Material, TextureUse
 from schemas.arrays import FloatArray, IntArray
-from schemas.model import Material, Mesh, Model, TextureUse
+from schemas.model import Mesh, Model
 
 _CHANNELS = {"r": 0, "g": 1, "b": 2, "a": 3, "rgb": 0}
 _MIN_SAMPLES = 200  # places, so that a picture on two triangles is seen too

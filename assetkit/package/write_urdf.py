@@ -11,8 +11,9 @@ import formats
 from assetkit.package.write_obj import write_obj
 from formats.urdf.edit import replace_physics
 from geom.pose import pose
+from schemas.appearance.material import Material
 from schemas.arrays import FloatArray
-from schemas.model import Material, Mesh
+from schemas.model import Mesh
 from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, RigidBody
 from schemas.robot_description import (

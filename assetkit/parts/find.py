@@ -13,9 +13,10 @@ from assetkit.parts.reconcile import PartCandidate, reconcile
 from assetkit.taxonomy.tables import categories
 from geom.features.cavities import Cavity
 from geom.features.regions import FaceGeometry
+from schemas.appearance.material import Material
 from schemas.asset import vec3
 from schemas.evidence import Evidence, default, inferred, measured
-from schemas.model import Material, Mesh
+from schemas.model import Mesh
 from schemas.parts import UNLABELLED, Part, part_faces
 
 # Confidence that a region is a part: stated by the source, clues agree, one clue alone.

@@ -13,8 +13,9 @@ from geom.features.protrusions import find_protrusions
 from geom.features.regions import FaceGeometry, SurfaceRegion, boss_regions, face_geometry, plate_regions, side_regions
 from geom.mesh.edges import edges_of, face_components
 from geom.mesh.topology import repeats_point
+from schemas.appearance.material import Material
 from schemas.arrays import BoolArray, FloatArray, IntArray
-from schemas.model import Material, Mesh
+from schemas.model import Mesh
 from schemas.parts import ProposalSource
 
 MOST_COMPONENTS = 24

@@ -14,8 +14,9 @@ from render.joints import draw_motion, swept_frame
 from render.motion_request import MotionRequest
 from render.request import RenderRequest
 from render.views import render_all
+from schemas.appearance.material import Material
 from schemas.mechanism import JointCoupling, Mechanism, MechanismJoint, MechanismLink
-from schemas.model import Material, Model
+from schemas.model import Model
 from tests.support.drawn import RED, box, model
 
 PX = 192

@@ -12,8 +12,8 @@ import numpy as np
 
 from render.drawn_grasp import DrawnGrasp
 from render.request import RenderRequest
+from schemas.appearance.material import Material, TextureUse
 from schemas.files import array_files
-from schemas.model import Material, TextureUse
 from schemas.physics import CollisionShape
 from tests.support import package_samples as samples
 

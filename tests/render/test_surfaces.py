@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from geom.mesh.primitives import sphere
-from schemas.model import Material, Mesh, TextureUse
+from schemas.appearance.material import Material, TextureUse
+from schemas.model import Mesh
 from tests.support.drawn import BACK, FRONT, QUAD, RED, UNIT_UVS, at, image, linear, model, pictures, textured, upright
 
 PLACES = {"top left": (0.0, -0.5, 1.5), "top right": (0.0, 0.5, 1.5), "bottom left": (0.0, -0.5, 0.5)}

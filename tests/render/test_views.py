@@ -23,8 +23,9 @@ from render.collision import shape_color
 from render.request import RenderRequest
 from render.studio import BACKGROUND_SRGB, contact_shadow
 from render.textures import MAX_EDGE_PX, decode_rgba
+from schemas.appearance.material import Material, Texture, TextureUse
 from schemas.files import array_files
-from schemas.model import Material, Model, Texture, TextureUse
+from schemas.model import Model
 from schemas.physics import CollisionShape
 from tests.support.drawn import (
     BACK,

@@ -12,8 +12,9 @@ from geom.mesh.primitives import cube
 from render.camera import STANDARD_VIEWS, CameraView, PinholeCamera, camera, model_frame
 from render.request import RenderRequest
 from render.views import render_all
+from schemas.appearance.material import Material, Texture, TextureUse
 from schemas.evidence import Evidence
-from schemas.model import Material, Mesh, Model, Texture, TextureUse
+from schemas.model import Mesh, Model
 from schemas.physics import CollisionShape
 
 PX = 128

@@ -17,8 +17,9 @@ from assetkit.stage import Canonical, Draft, Intake
 from geom.features.cavities import find_cavities
 from geom.mass.inertia import moved, of_box
 from geom.pose import pose
+from schemas.appearance.material import Material
 from schemas.evidence import Evidence, declared
-from schemas.model import Material, Mesh
+from schemas.model import Mesh
 from schemas.physics import MassProperties
 from tests.support.package_samples import mesh_from
 from tests.support.package_samples import model as model_of

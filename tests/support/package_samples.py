@@ -10,8 +10,9 @@ import numpy as np
 import trimesh
 from PIL import Image
 
+from schemas.appearance.material import Material, Texture, TextureUse
 from schemas.evidence import Evidence, declared
-from schemas.model import Axis, Material, Mesh, Model, Texture, TextureUse
+from schemas.model import Axis, Mesh, Model
 from schemas.package import PackageContent
 from schemas.physics import CollisionShape, Contact, MassProperties
 

@@ -9,8 +9,9 @@ import pytest
 
 from assetkit.readers.usd import read_usd
 from assetkit.sources.source_file import SourceFile
+from schemas.appearance.material import Material
 from schemas.diagnostics import Diagnostic, InvalidInput
-from schemas.model import Material, Mesh, Model
+from schemas.model import Mesh, Model
 from schemas.outcome import Outcome
 
 HEADER = 'defaultPrim = "Root"\n metersPerUnit = 1\n upAxis = "Z"'

@@ -1,4 +1,4 @@
-"""Converts the UsdShade materials bound to gprims into `schemas.model.Material`, with the textures they use."""
+"""Converts UsdShade materials of gprims into `schemas.appearance.material.Material`, with the textures they use."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 
 from pxr import Usd, UsdShade
 
+from schemas.appearance.material import Material, Texture
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.files.references import tile_references
-from schemas.model import Material, Texture
 from schemas.outcome import INTAKE, Repair
 from usdio.read.layer_guard import PinnedLayers
 from usdio.read.pbr import Color, MaterialConversion

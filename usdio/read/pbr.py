@@ -8,8 +8,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from schemas.appearance.material import Channel, Material, TextureUse
 from schemas.diagnostics import Diagnostic, Location, finding
-from schemas.model import Channel, Material, TextureUse
 from usdio.read.shader_graph import EARLIEST, ImageSource, InputSource, to_json
 
 Color = tuple[float, float, float]

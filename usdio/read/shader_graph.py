@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdShade
 
-from schemas.model import Channel
+from schemas.appearance.material import Channel
 
 EARLIEST: Final = Usd.TimeCode.EarliestTime()
 MAX_SHADER_DEPTH: Final = 32

@@ -1,4 +1,4 @@
-"""Authors UsdPreviewSurface materials from `schemas.model.Material`.
+"""Authors UsdPreviewSurface materials from `schemas.appearance.material.Material`.
 
 Specification: openusd.org/release/spec_usdpreviewsurface.html.
 """
@@ -10,8 +10,9 @@ from collections.abc import Mapping, Sequence
 
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade
 
+from schemas.appearance.material import Material, TextureUse
 from schemas.identifiers import unique_identifiers
-from schemas.model import Material, Model, TextureUse
+from schemas.model import Model
 from usdio.write.mesh_materials import MeshMaterial, uv_primvar
 
 # UsdPreviewSurface has no transmission. Opacity replaces it; some is kept so that clear glass stays visible.

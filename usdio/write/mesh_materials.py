@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from schemas.appearance.material import Material
 from schemas.identifiers import unique_identifiers
-from schemas.model import Material, Model
+from schemas.model import Model
 
 MATERIAL_FALLBACK = "material"
 NEUTRAL = Material(name="neutral")

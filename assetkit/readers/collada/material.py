@@ -11,8 +11,8 @@ import numpy as np
 from assetkit.readers.collada.xml import Document, Element
 from assetkit.readers.common.phong import ior_or_default, linear_rgb, roughness_from_exponent, unit_interval
 from assetkit.readers.common.texture_table import TextureTable, has_alpha, holds_normals
+from schemas.appearance.material import Material, TextureUse
 from schemas.diagnostics import Severity, finding
-from schemas.model import Material, TextureUse
 
 _SHADERS = ("phong", "blinn", "lambert", "constant")
 _FLOATS = frozenset({"shininess", "reflectivity", "transparency", "index_of_refraction"})

@@ -18,9 +18,10 @@ from assetkit.readers.common.corners import MAX_TRIANGLES, Notes
 from assetkit.readers.common.sniff import screen
 from assetkit.readers.common.texture_table import TextureTable
 from assetkit.sources.source_file import SourceFile
+from schemas.appearance.material import Material
 from schemas.diagnostics import InvalidInput, Location, Severity, finding
 from schemas.evidence import BY_STANDARD, Evidence, declared
-from schemas.model import Axis, Material, Mesh, Model, Node
+from schemas.model import Axis, Mesh, Model, Node
 from schemas.outcome import Outcome
 
 _UP: dict[str, Axis] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}

@@ -17,8 +17,8 @@ from PIL import (
     WebPImagePlugin,
 )
 
+from schemas.appearance.material import Texture
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
-from schemas.model import Texture
 
 MAX_PIXELS: Final = 8192 * 8192
 MAX_IMAGE_BYTES: Final = 256 * 2**20

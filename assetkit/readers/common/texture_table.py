@@ -10,9 +10,9 @@ from PIL import Image
 
 from assetkit.readers.common.images import load_texture
 from assetkit.sources.source_file import SourceFile
+from schemas.appearance.material import Texture
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.files.references import tile_references
-from schemas.model import Texture
 from schemas.outcome import INTAKE, Repair
 
 

@@ -1,4 +1,4 @@
-"""Reads glTF materials as `schemas.model.Material` (glTF 2.0, section 3.9 and the KHR_materials_* extensions)."""
+"""Reads glTF materials as `schemas.appearance.material.Material` (glTF 2.0, 3.9; the KHR_materials_* extensions)."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any, Final
 from assetkit.readers.common.corners import Notes, repaired
 from assetkit.readers.gltf.json import Json
 from assetkit.readers.gltf.textures import Textures
+from schemas.appearance.material import AlphaMode, Material, TextureUse
 from schemas.diagnostics import finding
-from schemas.model import AlphaMode, Material, TextureUse
 
 _ALPHA_MODES: Final[dict[str, AlphaMode]] = {"OPAQUE": "opaque", "MASK": "mask", "BLEND": "blend"}
 _DIELECTRIC_SPECULAR: Final = 0.04

@@ -16,9 +16,10 @@ from assetkit.readers.gltf.nodes import place_nodes
 from assetkit.readers.gltf.physics import GltfPhysics
 from assetkit.readers.gltf.textures import Textures
 from assetkit.sources.source_file import SourceFile
+from schemas.appearance.material import Material
 from schemas.diagnostics import Location, finding
 from schemas.evidence import declared
-from schemas.model import Axis, Material, Mesh, Model
+from schemas.model import Axis, Mesh, Model
 from schemas.outcome import Outcome
 
 _UP: Final[Axis] = "y"

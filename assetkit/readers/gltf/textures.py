@@ -12,8 +12,8 @@ from assetkit.readers.common.images import load_texture
 from assetkit.readers.gltf.buffers import Buffers, read_uri
 from assetkit.readers.gltf.json import Json
 from assetkit.sources.source_file import SourceFile
+from schemas.appearance.material import Channel, Texture, TextureUse
 from schemas.diagnostics import Diagnostic, finding
-from schemas.model import Channel, Texture, TextureUse
 
 Wrap = Literal["repeat", "clamp", "mirror"]
 _WRAP: Final[dict[int, Wrap]] = {33071: "clamp", 33648: "mirror", 10497: "repeat"}

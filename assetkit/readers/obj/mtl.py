@@ -15,8 +15,8 @@ from assetkit.readers.common.corners import Notes, repaired
 from assetkit.readers.common.phong import ior_or_default, linear_rgb, roughness_from_exponent, unit_interval
 from assetkit.readers.common.texture_table import TextureTable, has_alpha, holds_normals
 from assetkit.sources.source_file import SourceFile
+from schemas.appearance.material import Channel, Material, TextureUse
 from schemas.diagnostics import Location, Severity, finding
-from schemas.model import Channel, Material, TextureUse
 
 # Options of a texture statement and the least and most arguments each takes.
 _OPTIONS: dict[str, tuple[int, int]] = {

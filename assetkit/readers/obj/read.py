@@ -27,9 +27,10 @@ from assetkit.readers.obj.text import ObjText
 from assetkit.sources.source_file import SourceFile
 from geom.mesh.finite import require_finite
 from geom.mesh.polygon_triangulation import triangulate_polygons
+from schemas.appearance.material import Material
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.evidence import default
-from schemas.model import Material, Mesh, Model, Node
+from schemas.model import Mesh, Model, Node
 from schemas.outcome import Outcome
 
 _NO_MATERIAL = frozenset({"", "None", "(null)"})

@@ -14,9 +14,10 @@ from assetkit.readers.ply.container import Element, Header, Table, parse_header,
 from assetkit.sources.source_file import SourceFile
 from geom.mesh.finite import require_finite
 from geom.mesh.polygon_triangulation import triangulate_polygons
+from schemas.appearance.material import Material, TextureUse
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.evidence import default
-from schemas.model import Material, Mesh, Model, Node, TextureUse
+from schemas.model import Mesh, Model, Node
 from schemas.outcome import Outcome
 
 _UV_NAMES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t"))

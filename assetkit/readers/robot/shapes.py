@@ -19,9 +19,10 @@ from assetkit.sources.source_file import SourceFile
 from geom.convex.hull import convex_hull
 from geom.mesh import primitives
 from geom.pose import matrix_of
+from schemas.appearance.material import Material, Texture, TextureUse
 from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
-from schemas.model import Material, Mesh, Model, Texture, TextureUse
+from schemas.model import Mesh, Model
 from schemas.outcome import Repair
 from schemas.robot_description import NOWHERE, DescribedLink, DescribedMaterial, DescribedShape, MeshReference
 

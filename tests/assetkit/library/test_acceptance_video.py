@@ -14,7 +14,7 @@ from assetkit.acceptance.suites.suite import NOMINAL
 from assetkit.library.acceptance_video import BOXES, cropped, with_gripper, write_video
 from assetkit.library.drawn_package import drawn_package
 from geom.pose import pose
-from schemas.model import Material
+from schemas.appearance.material import Material
 from sim.bullet.simulator import BulletSimulator
 from sim.grasp_trial import GraspTrace
 from tests.assetkit.acceptance.suites.test_fixture import GOOD, SLIDE_USE, subject

@@ -18,9 +18,10 @@ from assetkit.library.search.query import Criterion
 from assetkit.library.search.search import SearchResult, search
 from assetkit.materials.colour_names import BASIC_TERMS, basic_terms, colour_by_name
 from assetkit.materials.surface_colours import surface_colours
+from schemas.appearance.material import Material
 from schemas.diagnostics import InvalidInput
 from schemas.evidence import default
-from schemas.model import Material, Mesh, Model
+from schemas.model import Mesh, Model
 
 INF = float("inf")
 

@@ -13,8 +13,9 @@ from assetkit.mass.estimate import MassEvidence, mass_evidence
 from assetkit.mass.parts import MassEvidenceInputs
 from assetkit.mass.unknown_density import dense_appearance
 from benchmarks.assets.masses.everyday import bounds_kg, things
+from schemas.appearance.material import Material
 from schemas.evidence import inferred
-from schemas.model import Material, Mesh
+from schemas.model import Mesh
 from schemas.physics import Solid
 from tests.support.mass_samples import ball, box, inside_out, join_meshes, weighed
 from tests.support.package_samples import mesh_from

@@ -21,8 +21,9 @@ from assetkit.mass.estimate import MassEvidence
 from assetkit.options import Options
 from assetkit.stage import Canonical
 from geom.mass.inertia import combine, inertia_about, is_physical
+from schemas.appearance.material import Material
 from schemas.arrays import BoolArray, FloatArray
-from schemas.model import Material, Mesh
+from schemas.model import Mesh
 from schemas.physics import MassProperties
 from tests.support.mass_samples import (
     NOWHERE,

@@ -18,8 +18,9 @@ from assetkit.parts.find import find_parts
 from assetkit.taxonomy.category_materials import appearance_table, category_materials, class_names, material_prior
 from assetkit.taxonomy.material_classes import UNKNOWN, materials
 from assetkit.taxonomy.tables import categories
+from schemas.appearance.material import Material, Texture, TextureUse
 from schemas.evidence import declared, default
-from schemas.model import Material, Mesh, Model, Texture, TextureUse
+from schemas.model import Mesh, Model
 
 NOTHING = default(UNKNOWN)
 OAK = (0.30, 0.16, 0.06)  # linear

@@ -16,8 +16,9 @@ from assetkit.parts.find import find_parts
 from assetkit.parts.labels import label_in_name
 from benchmarks.assets.made_things import Thing, things
 from geom.features.cavities import find_cavities
+from schemas.appearance.material import Material
 from schemas.evidence import declared, default
-from schemas.model import Material, Mesh, Model
+from schemas.model import Mesh, Model
 from schemas.parts import part_faces
 from schemas.physics import Solid
 from tests.support.bad_inputs.assets import joined

@@ -13,9 +13,10 @@ from typer.testing import CliRunner
 from assetkit.parts.find import find_parts
 from assetkit.parts.human_labels import disputed_parts, outdated_regions, region_key, with_human_labels
 from cli.main import app
+from schemas.appearance.material import Material
 from schemas.decision import Decision, PartLabel
 from schemas.evidence import Evidence, declared
-from schemas.model import Material, Mesh
+from schemas.model import Mesh
 from schemas.parts import Part
 
 BODY = trimesh.creation.cylinder(0.05, 0.1, sections=24)

@@ -4,8 +4,9 @@ import numpy as np
 import trimesh
 
 from assetkit.sources.split_objects import split_objects
+from schemas.appearance.material import Material
 from schemas.evidence import declared
-from schemas.model import Material, Mesh, Model
+from schemas.model import Mesh, Model
 from tests.support.bad_inputs.assets import joined
 
 

@@ -2,9 +2,10 @@ from pathlib import Path
 
 import numpy as np
 
+from schemas.appearance.material import Material, Texture, TextureUse
 from schemas.evidence import declared, default
 from schemas.files import array_files
-from schemas.model import Material, Mesh, Model, Node, Texture, TextureUse
+from schemas.model import Mesh, Model, Node
 
 
 def sample() -> Model:

@@ -20,10 +20,10 @@ import shapely
 from geom.mass.inertia import combine
 from jobs.cache import file_sha256
 from schemas.anchors import AnchorPolygon
+from schemas.appearance.material import Material
 from schemas.articulation import JointUse, SweptPrism, SweptVolume
 from schemas.evidence import declared, inferred
 from schemas.mechanism import JointCoupling, Mechanism, MechanismJoint, MechanismLink
-from schemas.model import Material
 from schemas.package import LinkBody
 from schemas.physics import CollisionShape, MassProperties
 from tests.support import package_samples as samples

@@ -17,7 +17,7 @@ from pxr import Usd, UsdGeom, UsdShade
 
 from gate.external_validators import external_verdicts, simready, simready_optional
 from gate.static_gate import gate
-from schemas.model import Material, TextureUse
+from schemas.appearance.material import Material, TextureUse
 from schemas.package import PackageContent
 from tests.support import package_samples as samples
 from usdio.write.package import write_package

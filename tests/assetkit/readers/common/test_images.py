@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from assetkit.readers.common.images import load_texture
+from schemas.appearance.material import Texture
 from schemas.diagnostics import InvalidInput, Location, Severity
-from schemas.model import Texture
 
 WHERE = Location(file="a.glb", prim="/images/0")
 PIXELS = np.random.default_rng(0).integers(0, 256, (24, 32, 3), dtype=np.uint8)

@@ -12,8 +12,9 @@ from PIL import Image
 
 from assetkit.readers.gltf.materials import metallic_from_specular
 from assetkit.readers.gltf.textures import usd_transform
+from schemas.appearance.material import Material
 from schemas.diagnostics import InvalidInput, Severity
-from schemas.model import Material, Model
+from schemas.model import Model
 from schemas.outcome import Outcome
 from tests.support.gltf_files import POINTS, GltfFile, model, png, read, tetrahedron
 

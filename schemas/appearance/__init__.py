@@ -1,0 +1,1 @@
+"""How surfaces look: the optical model of a material, and its section of the record."""
