@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 from typer.main import get_command
 
 from jobs.lock import FolderUnusable
+from jobs.placement import ClusterUnusable
 from schemas.diagnostics import InvalidInput
 
 # Where each command group lives, with its help: `mana --help` shows it and imports no group.
@@ -81,7 +82,7 @@ def run() -> None:
     except FileNotFoundError as missing:
         print(f"mana: not found: {missing.filename or missing}", file=sys.stderr)
         raise SystemExit(2) from None
-    except FolderUnusable as unusable:
+    except (FolderUnusable, ClusterUnusable) as unusable:
         print(f"mana: {unusable}", file=sys.stderr)
         raise SystemExit(2) from None
     except InvalidInput as refused:

@@ -19,8 +19,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import IO, Literal
 
-Status = Literal["ok", "failed", "crashed", "timeout", "out_of_memory", "cancelled"]
+Status = Literal["ok", "failed", "crashed", "timeout", "out_of_memory", "cancelled", "lost"]
 _PR_SET_PDEATHSIG = 1
+_POLL_S = 1.0  # between two questions whether a result is still waited for
 _OS_ERROR = re.compile(r"\w*Error: \[Errno \d+\] ")  # How Python prints OSError and its subclasses.
 _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
 _STOPPING = threading.Event()
@@ -39,7 +40,8 @@ class Limits:
 
 @dataclass(frozen=True)
 class CellResult:
-    """How a cell ended: `failed` is a plain non-zero exit, `crashed` a signal, `cancelled` a batch that was stopped.
+    """How a cell ended: `failed` is a plain non-zero exit, `crashed` a signal, `cancelled` a batch that was stopped,
+    `lost` the end of the machine that ran it.
 
     `output` holds its last 4,000 characters.
     """
@@ -59,8 +61,14 @@ class CellResult:
 CANCELLED = CellResult("cancelled", 0, "", 0.0)
 
 
-def run_cell(argv: Sequence[str], limits: Limits, *, env: dict[str, str] | None = None) -> CellResult:
-    """Run `argv` in its own session and wait; on time-out the whole session is killed.
+def run_cell(
+    argv: Sequence[str],
+    limits: Limits,
+    *,
+    env: dict[str, str] | None = None,
+    abandoned: Callable[[], bool] | None = None,
+) -> CellResult:
+    """Run `argv` in its own session and wait; on time-out the whole session is killed, also once it is `abandoned`.
 
     Never raises for what the child does. Grandchildren die with the session, and a cell started by a cell dies with
     its parent (Linux). Limits never exceed those of the calling process.
@@ -77,19 +85,36 @@ def run_cell(argv: Sequence[str], limits: Limits, *, env: dict[str, str] | None 
             preexec_fn=lambda: confine(limits.memory_mb),  # the child only; resource is POSIX
             env={**os.environ, **(env or {})},
         )
-        return supervise(child.pid, child.wait, limits, log)
+        return supervise(child.pid, child.wait, limits, log, abandoned)
 
 
-def supervise(pid: int, wait: Callable[[float | None], int], limits: Limits, log: IO[bytes]) -> CellResult:
-    """Wait for the end of a started session `pid`; `wait` returns its exit status or raises TimeoutExpired."""
+def supervise(
+    pid: int,
+    wait: Callable[[float | None], int],
+    limits: Limits,
+    log: IO[bytes],
+    abandoned: Callable[[], bool] | None = None,
+) -> CellResult:
+    """Wait for the end of a started session `pid`; `wait` returns its exit status or raises TimeoutExpired.
+
+    `abandoned` is called every second; once it returns True, no one waits for the result, and the session is killed.
+    """
     started = time.monotonic()
     with _LIVE_LOCK:
         _LIVE.add(pid)
-    timed_out = False
+    timed_out = given_up = False
     try:
         if _STOPPING.is_set():  # A session that started while the others were killed.
             _kill_session(pid)
-        returncode = wait(limits.seconds)
+        while not given_up:
+            left = limits.seconds - (time.monotonic() - started)
+            try:
+                returncode = wait(left if abandoned is None else min(left, _POLL_S))
+                break
+            except subprocess.TimeoutExpired:
+                if abandoned is None or left <= _POLL_S:
+                    raise
+                given_up = abandoned()
     except subprocess.TimeoutExpired:
         timed_out = True
     finally:
@@ -99,8 +124,13 @@ def supervise(pid: int, wait: Callable[[float | None], int], limits: Limits, log
             _LIVE.discard(pid)
     log.seek(max(0, log.seek(0, os.SEEK_END) - 4000))
     output = log.read().decode(errors="replace")
-    status = "cancelled" if _STOPPING.is_set() else _status(returncode, output, timed_out)
+    status = "cancelled" if given_up or _STOPPING.is_set() else _status(returncode, output, timed_out)
     return CellResult(status, returncode, output, time.monotonic() - started)
+
+
+def is_stopping() -> bool:
+    """Whether `kill_all_cells` was called and no cell may start."""
+    return _STOPPING.is_set()
 
 
 def allow_cells() -> None:

@@ -10,21 +10,26 @@ from jobs.cell import allow_cells, kill_all_cells
 
 T = TypeVar("T")
 R = TypeVar("R")
+MOST_THREADS = 1024  # each waits for a cell
 
 
-def run_all(work: Callable[[T], R], items: Iterable[T], *, jobs: int) -> Iterator[tuple[T, R]]:
+def run_all(work: Callable[[T], R], items: Iterable[T], *, jobs: int | Callable[[], int]) -> Iterator[tuple[T, R]]:
     """Yield `(item, work(item))` as items finish, at most `jobs` at a time; items are drawn lazily.
+
+    A cluster grows and shrinks: `jobs` may be a function, which is called again and again.
 
     On KeyboardInterrupt running cells are killed, nothing further starts, and the interrupt is raised again after
     the threads have ended, so that finished items stay finished.
     """
     source = iter(items)
     running: dict[Future[R], T] = {}
-    pool = ThreadPoolExecutor(max_workers=jobs)
+    limit = jobs if callable(jobs) else lambda: jobs
+    pool = ThreadPoolExecutor(max_workers=MOST_THREADS if callable(jobs) else jobs)  # They start when needed.
     try:
         exhausted = False
         while True:
-            while not exhausted and len(running) < jobs:
+            allowed = limit()
+            while not exhausted and len(running) < allowed:
                 try:
                     item = next(source)
                 except StopIteration:

@@ -16,23 +16,56 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Sequence
-from typing import IO
+from collections.abc import Callable, Iterator, Sequence
+from typing import IO, Protocol
 
 from jobs.cell import CellResult, Limits, note_peak_memory, run_cell, supervise
 
 HEADROOM_MB = 1024  # Least address space beyond that of the server in which a fork of it can work.
 _STARTUP_TIMEOUT_S = 120.0
-_server: ForkServer | None = None
+_runner: Runner | None = None
+
+
+class Runner(Protocol):
+    """Runs modules in cells: a fork server of this machine, or a cluster (`jobs.cluster`)."""
+
+    def run(self, name: str, arguments: Sequence[str], limits: Limits, env: dict[str, str]) -> CellResult | None:
+        """How the cell ended; None when it has to be run cold, on this machine."""
+        ...
 
 
 def run_module(name: str, arguments: Sequence[str], limits: Limits, *, env: dict[str, str] | None = None) -> CellResult:
-    """Run `python -P -m NAME ARGUMENTS` in a cell, warm inside `warm_cells`, else as `jobs.cell.run_cell` does."""
-    if _server is not None:
-        result = _server.run(name, arguments, limits, env or {})
+    """Run `python -P -m NAME ARGUMENTS` in a cell: warm inside `warm_cells`, on a cluster inside `cluster_cells`, else
+    as `jobs.cell.run_cell` does.
+    """
+    if _runner is not None:
+        result = _runner.run(name, arguments, limits, env or {})
         if result is not None:
             return result
-    return run_cell([sys.executable, "-P", "-m", name, *arguments], limits, env=env)
+    return run_cold(name, arguments, limits, env or {})
+
+
+def run_cold(
+    name: str,
+    arguments: Sequence[str],
+    limits: Limits,
+    env: dict[str, str],
+    *,
+    abandoned: Callable[[], bool] | None = None,
+) -> CellResult:
+    """Run `python -P -m NAME ARGUMENTS` in a cell that starts a Python of its own."""
+    return run_cell([sys.executable, "-P", "-m", name, *arguments], limits, env=env, abandoned=abandoned)
+
+
+@contextlib.contextmanager
+def use_runner(runner: Runner | None) -> Iterator[None]:
+    """Within it, `run_module` runs its cells by `runner`. Not reentrant."""
+    global _runner
+    _runner = runner
+    try:
+        yield
+    finally:
+        _runner = None
 
 
 @contextlib.contextmanager
@@ -42,21 +75,21 @@ def warm_cells(preload: str, *, env: dict[str, str] | None = None) -> Iterator[N
     The process is started by the first cell, with `env` added to the environment, and ends with the context. Where it
     cannot work (no Linux, `preload` does not import or starts threads) cells are cold. Not reentrant.
     """
-    global _server
-    _server = ForkServer(preload, env or {}) if preload and sys.platform == "linux" else None
+    server = ForkServer(preload, env or {}) if preload and sys.platform == "linux" else None
     try:
-        yield
+        with use_runner(server):
+            yield
     finally:
-        server, _server = _server, None
         if server is not None:
             server.close()
 
 
 def inherit_server(requests: socket.socket, address_space_mb: int) -> None:
     """Let the cells that this fresh fork runs come from the same server."""
-    global _server
-    _server = ForkServer("", {})
-    _server.requests, _server.address_space_mb = requests, address_space_mb
+    global _runner
+    server = ForkServer("", {})
+    server.requests, server.address_space_mb = requests, address_space_mb
+    _runner = server
 
 
 class ForkServer:
@@ -69,8 +102,16 @@ class ForkServer:
         self._process: subprocess.Popen[bytes] | None = None
         self._lock = threading.Lock()
 
-    def run(self, name: str, arguments: Sequence[str], limits: Limits, env: dict[str, str]) -> CellResult | None:
-        """How the cell ended; None when it has to be run cold."""
+    def run(
+        self,
+        name: str,
+        arguments: Sequence[str],
+        limits: Limits,
+        env: dict[str, str],
+        *,
+        abandoned: Callable[[], bool] | None = None,
+    ) -> CellResult | None:
+        """How the cell ended; None when it has to be run cold. `abandoned` is that of `jobs.cell.supervise`."""
         with self._lock:
             if self.requests is None and self._process is None and self._preload:
                 self._start()
@@ -87,7 +128,7 @@ class ForkServer:
                 except OSError:  # The server has ended, for example for lack of memory.
                     self.requests = None
                     return None
-            return _supervised(ours, limits, log)
+            return _supervised(ours, limits, log, abandoned)
 
     def _start(self) -> None:
         """Start the server and wait until it has imported everything."""
@@ -120,7 +161,9 @@ class ForkServer:
             self._process.wait()
 
 
-def _supervised(cell: socket.socket, limits: Limits, log: IO[bytes]) -> CellResult | None:
+def _supervised(
+    cell: socket.socket, limits: Limits, log: IO[bytes], abandoned: Callable[[], bool] | None
+) -> CellResult | None:
     """Follow the cell at the other end of `cell`: its process id, then its exit status and peak memory.
 
     None when the server ended first and took the cell with it: no fault of the cell, so it may be run cold.
@@ -139,5 +182,5 @@ def _supervised(cell: socket.socket, limits: Limits, log: IO[bytes]) -> CellResu
 
     endings: list[bytes] = []
     pid = cell.recv(64)
-    result = supervise(int(pid), wait, limits, log) if pid else None
+    result = supervise(int(pid), wait, limits, log, abandoned) if pid else None
     return None if endings == [b""] and result is not None and result.status == "crashed" else result

@@ -16,9 +16,14 @@ from schemas.diagnostics import InvalidInput, finding
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "JE_ARROW_MALLOC_CONF": "background_thread:false"}  # Else forks are not sound.
 
 
-def ask(module: str, given: dict[str, Any], limits: Limits, name: str) -> dict[str, Any]:
-    """The result that `python -m MODULE GIVEN NOTE` writes to NOTE; `refused` with a diagnostic if it stops."""
-    with tempfile.TemporaryDirectory(prefix="mana") as folder:
+def ask(
+    module: str, given: dict[str, Any], limits: Limits, name: str, *, scratch: Path | None = None
+) -> dict[str, Any]:
+    """The result that `python -m MODULE GIVEN NOTE` writes to NOTE; `refused` with a diagnostic if it stops.
+
+    The note lies below `scratch`, which the machine of the cell has to see; by default where temporary files lie.
+    """
+    with tempfile.TemporaryDirectory(prefix=".mana", dir=scratch) as folder:
         note = Path(folder) / "answer.json"
         result = run_module(module, [json.dumps(given), str(note)], limits)
         if result.status != "ok":

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from jobs.cell import Limits
+from jobs.placement import Placement, cells_at
 from jobs.schedule import run_all
-from jobs.warm import warm_cells
 from replay.cell_answer import ONE_THREAD, ask
 from schemas.diagnostics import Diagnostic
 
@@ -45,7 +45,7 @@ def augment(
     supports: Sequence[str] = (),
     meshes: str | Path | None = None,
     scene: str | Path | None = None,
-    jobs: int = 1,
+    placement: Placement = Placement(),
     progress: Callable[[int, int], None] | None = None,
 ) -> Augmented:
     """Put `objects` static objects into `variants` copies of each recording, clear of all that moves by `clearance_m`.
@@ -65,10 +65,15 @@ def augment(
     sources = [source for path in episodes for source in recordings_below(Path(path))]
     prefixes = distinct_prefixes(sources)
     report_progress = progress or (lambda done, total: None)
-    with warm_cells(WORKER, env=ONE_THREAD):
+    Path(out).mkdir(parents=True, exist_ok=True)
+    with cells_at(placement, WORKER, env=ONE_THREAD, shared=[Path(out)]) as jobs:
         report_progress(0, len(sources))
         requests = {source: {**request, "source": str(source), "prefix": prefixes[source]} for source in sources}
-        answers = run_all(lambda path: ask(WORKER, requests[path], LIMITS, path.name), sources, jobs=jobs)
+
+        def augmented(path: Path) -> dict[str, Any]:
+            return ask(WORKER, requests[path], LIMITS, path.name, scratch=Path(out))
+
+        answers = run_all(augmented, sources, jobs=jobs)
         for done, (source, answer) in enumerate(answers, start=1):
             if "refused" in answer:
                 refused.append((source, Diagnostic.model_validate(answer["refused"])))

@@ -17,8 +17,9 @@ from assetkit.sources.source_file import SourceFile, refusal
 from assetkit.storage import finding_from_exception, is_storable, storage_failed
 from jobs.cache import content_key, file_sha256, write_atomically
 from jobs.cell import CellResult, Limits, run_cell
+from jobs.placement import ONE_CELL, Placement, cells_at
 from jobs.schedule import run_all
-from jobs.warm import run_module, warm_cells
+from jobs.warm import run_module
 from schemas.decision import Decision
 from schemas.diagnostics import Diagnostic, finding
 from schemas.outcome import ItemOutcome
@@ -28,6 +29,7 @@ LOST_CODES = {
     "timeout": "asset/worker-timeout",
     "out_of_memory": "asset/worker-out-of-memory",
     "crashed": "asset/worker-crashed",
+    "lost": "asset/worker-crashed",
     "failed": "asset/worker-crashed",
 }
 ENDPOINT_CODES = ("asset/annotator-unreachable", "asset/annotator-failed")
@@ -41,7 +43,7 @@ DEFAULT_LIMITS = Limits(seconds=300.0, memory_mb=8192)
 
 @dataclass(frozen=True)
 class Batch:
-    """One run over sources: output folder, options, worker, number of cells at a time and their limits.
+    """One run over sources: output folder, options, worker, where its cells run and their limits.
 
     `engine` names the simulator that the caller chooses (`sim.named_engine`). `worker` runs one request file, given as
     its last argument: a Python module, or any command. `preload` names a module that imports what a worker module
@@ -53,7 +55,7 @@ class Batch:
     engine: str
     worker: str | tuple[str, ...] = WORKER
     preload: str = PRELOAD
-    jobs: int = 1
+    placement: Placement = ONE_CELL
     limits: Limits = DEFAULT_LIMITS
     resume: bool = False
     fresh: bool = False
@@ -73,8 +75,10 @@ def run_items(candidates: Sequence[SourceAsset], batch: Batch) -> Iterator[Repor
     decisions = read_decisions(batch.out)
     owned = [ownership.resolve_asset_id(c, batch.out) for c in candidates]
     studio = {"MANA_STUDIO": "ready"} if len(owned) >= READY_STUDIO_FROM else {}
-    with warm_cells(batch.preload, env=ENVIRONMENT | {"MANA_ENGINE": batch.engine} | studio):
-        for _, item in run_all(lambda c: _item(c, batch, decisions), owned, jobs=batch.jobs):
+    env = ENVIRONMENT | {"MANA_ENGINE": batch.engine} | studio
+    shared = [batch.out, *sorted({candidate.file.root for candidate in candidates})]
+    with cells_at(batch.placement, batch.preload, env=env, shared=shared) as jobs:
+        for _, item in run_all(lambda c: _item(c, batch, decisions), owned, jobs=jobs):
             yield item
 
 

@@ -13,6 +13,7 @@ from assetkit.options import Options
 from assetkit.sources.discover import SourceAsset, discover
 from jobs.cell import Limits
 from jobs.lock import exclusive
+from jobs.placement import Placement
 from schemas.report import IngestReport, ReportItem
 
 # Called with (items finished, items in all, the item that has just finished or None at the start).
@@ -26,7 +27,7 @@ def ingest(
     engine: str,
     options: Options | None = None,
     root: str | Path | None = None,
-    jobs: int | None = None,
+    placement: Placement | None = None,
     limits: Limits = DEFAULT_LIMITS,
     resume: bool = False,
     fresh: bool = False,
@@ -36,13 +37,14 @@ def ingest(
 
     `engine` names the simulator that tries each package, as `"module:attribute"`; PyBullet is
     `"sim.bullet.simulator:BulletSimulator"`. `options` hold what the caller knows of the sources: units, up axis, role,
-    category, licence. `root` is the folder that references may not leave. `jobs` cells work at a time, by default one
-    per core, each under `limits`. Unchanged sources are taken from the store; `resume` also keeps items that crashed or
-    timed out, `fresh` makes all anew. `out` holds packages, `report.json`, `report.html` and `catalog.sqlite`
-    afterwards, also after Ctrl-C (`interrupted` in the report).
+    category, licence. `root` is the folder that references may not leave. Cells run at `placement`, by default one per
+    core of this machine, each under `limits`. Unchanged sources are taken from the store; `resume` also keeps items
+    that crashed or timed out, `fresh` makes all anew. `out` holds packages, `report.json`, `report.html` and
+    `catalog.sqlite` afterwards, also after Ctrl-C (`interrupted` in the report).
 
-    Raises FolderInUse while another process writes into `out`, FolderUnusable where nothing can be written, and
-    InvalidInput when the file of people's decisions in `out` cannot be read.
+    Raises FolderInUse while another process writes into `out`, FolderUnusable where nothing can be written,
+    ClusterUnusable where no worker can be used, and InvalidInput when the file of people's decisions in `out` cannot
+    be read.
     """
     out = Path(out)
     with exclusive(out):
@@ -51,7 +53,7 @@ def ingest(
             out=out,
             options=options or Options(),
             engine=engine,
-            jobs=jobs or default_jobs(),
+            placement=placement or Placement(default_jobs()),
             limits=limits,
             resume=resume,
             fresh=fresh,

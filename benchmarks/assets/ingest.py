@@ -35,7 +35,7 @@ print("RESULT", time.monotonic() - started, len(parts))
 def main() -> None:
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(tempfile.mkdtemp(prefix="mana-bench"))
     meshes = [data_folder() / name for name in OBJECTS]
-    batch = Batch(out=out, options=Options(), engine=SIMULATOR, jobs=1, fresh=True)
+    batch = Batch(out=out, options=Options(), engine=SIMULATOR, fresh=True)
     print(
         f"{'mesh':20} {'all s':>7} {'coll s':>7} {'shapes':>6} {'p95 %':>6}   {'plain s':>8} {'hulls':>5} {'ratio':>6}"
     )

@@ -21,6 +21,7 @@ from assetkit.options import Options
 from assetkit.sources.discover import SourceAsset, discover
 from benchmarks.assets.ingest_cost import processor_s
 from cli.engines import SIMULATOR
+from jobs.placement import Placement
 from schemas.report import ReportItem
 
 PLANNED = {"blend"}
@@ -74,7 +75,7 @@ def main() -> None:
     candidates: tuple[SourceAsset, ...] = tuple(found[path] for path in rows)
     started = time.monotonic()
     table: list[dict] = []
-    batch = Batch(out=arguments.out, options=Options(), engine=SIMULATOR, jobs=arguments.jobs)
+    batch = Batch(out=arguments.out, options=Options(), engine=SIMULATOR, placement=Placement(arguments.jobs))
     before_s = processor_s(os.getpid())
     for item in run_items(candidates, batch):
         row = rows[item.source]

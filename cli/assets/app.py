@@ -27,6 +27,7 @@ from cli.assets.review import review_command
 from cli.assets.search import search_command
 from cli.engines import SIMULATOR
 from cli.findings import show_findings
+from cli.placement import Scheduler, placement_of
 from jobs.cache import content_key, file_sha256
 from jobs.cell import Limits
 from schemas.acceptance import SuiteSection
@@ -44,6 +45,7 @@ def ingest_command(
     sources: Annotated[list[Path], typer.Argument(help="Files, or folders that are walked.")],
     out: Annotated[Path, typer.Option("--out", help="Where packages, report and catalog go.")],
     jobs: Annotated[int, typer.Option("--jobs", min=1, help="Assets at a time.")] = default_jobs(),
+    scheduler: Scheduler = None,
     root: Annotated[Path | None, typer.Option("--root", help="Folder that references may not leave.")] = None,
     role: Annotated[str | None, typer.Option(help="Declared role, e.g. manipulated or receptacle.")] = None,
     category: Annotated[str | None, typer.Option(help="Declared category, e.g. mug.")] = None,
@@ -123,7 +125,7 @@ def ingest_command(
             engine=SIMULATOR,
             options=options,
             root=root,
-            jobs=jobs,
+            placement=placement_of(jobs, scheduler),
             limits=Limits(timeout, memory),
             resume=resume,
             fresh=fresh,

@@ -19,6 +19,7 @@ from assetkit.sources.discover import slug
 from cli import text
 from cli.assets.progress import shown_progress
 from cli.engines import SIMULATOR
+from jobs.placement import Placement
 from schemas.outcome import ItemOutcome
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ def generate_command(
 def _ingest(files: Sequence[Path], folder: Path, out: Path, jobs: int, as_json: bool) -> None:
     """Run the pipeline on the sources; exits with 1 when one was rejected, 2 when it was interrupted."""
     with shown_progress(quiet=as_json) as progress:
-        report = ingest(list(files), out, engine=SIMULATOR, jobs=jobs, progress=progress)
+        report = ingest(list(files), out, engine=SIMULATOR, placement=Placement(jobs), progress=progress)
     if as_json:
         print(json.dumps({"truth": str(folder / TRUTH_FILE), "report": report.model_dump(mode="json")}, indent=1))
     else:

@@ -16,6 +16,7 @@ from assetkit.options import Options
 from cli import text
 from cli.assets.app import AsJson, shown_progress
 from cli.engines import SIMULATOR
+from jobs.placement import Placement
 from schemas.diagnostics import Severity
 
 # Real meshes of two formats and a robot description; the mug and the tray must keep their cavity, the torus its hole.
@@ -62,7 +63,9 @@ def demo(
     library = out / "library"
     options = Options(license="Zlib", author="Bullet contributors")
     with shown_progress(quiet=as_json) as progress:
-        report = ingest(meshes, library, engine=SIMULATOR, options=options, root=data, jobs=jobs, progress=progress)
+        report = ingest(
+            meshes, library, engine=SIMULATOR, options=options, root=data, placement=Placement(jobs), progress=progress
+        )
     verdicts = {file: validate_file(file) for file in main_usd_files(library)}
     first = next((p for item in report.items for p in item.packages), None)
     spoiled = spoil_package(library / first) if first else ()

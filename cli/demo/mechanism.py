@@ -14,6 +14,7 @@ from cli.engines import SIMULATOR
 from cli.scene.output import draw_perspective, write_output
 from cli.scene.settle import settle
 from jobs.cache import write_atomically
+from jobs.placement import Placement
 from scenec.compile import compile_program
 from schemas.asset import AssetRecord
 from schemas.scene.compiled import CompileReport
@@ -59,7 +60,7 @@ def mechanism_demo(out: Path) -> MechanismDemo | None:
     library, folder = out / GENERATED, out / "drawers"
     generator = GENERATORS[_NAME]
     write_set(generator, read_settings(generator.parameters, ["levels=2"]), library / "sources" / _NAME)
-    ingest([library / "sources" / _NAME / f"{_NAME}.urdf"], library, engine=SIMULATOR, jobs=1)
+    ingest([library / "sources" / _NAME / f"{_NAME}.urdf"], library, engine=SIMULATOR, placement=Placement(1))
     file = library / _NAME / RECORD
     if not file.is_file():
         return None

@@ -10,6 +10,7 @@ import typer
 
 from cli import text
 from cli.engines import REPLAY_CANDIDATES
+from cli.placement import Scheduler, placement_of
 from cli.replay.render import camera_names, draw_variants
 from jobs.cache import write_atomically
 from schemas.diagnostics import Diagnostic
@@ -34,6 +35,7 @@ def augment_command(
     cameras: Annotated[str, typer.Option(help="Of --render: names, with commas between; all by default.")] = "",
     every: Annotated[int, typer.Option(min=1, help="Of --render: draw each k-th row of the recording.")] = 1,
     jobs: Annotated[int, typer.Option(min=1, help="Recordings at a time.")] = 1,
+    scheduler: Scheduler = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")] = False,
 ) -> None:
     """Put static objects into recorded episodes, outside the proven swept volume of everything that moves.
@@ -62,7 +64,7 @@ def augment_command(
             supports=support or [],
             meshes=meshes,
             scene=scene,
-            jobs=jobs,
+            placement=placement_of(jobs, scheduler),
             progress=lambda done, total: bar.update(task, completed=done, total=total),
         )
     rows, refused = list(outcome.rows), list(outcome.refused)

@@ -55,7 +55,7 @@ def test_warm_and_cold_packages_are_equal(ready_studio_from: int, tmp_path: Path
         batch = Batch(tmp_path / (preload or "cold"), Options(units="m"), SIMULATOR, preload=preload)
         for item in run_items(discover([source]), batch):
             items[preload] = item
-            served = warm._server is not None and warm._server.requests is not None
+            served = isinstance(warm._runner, warm.ForkServer) and warm._runner.requests is not None
             assert served == bool(preload)
     assert items[PRELOAD].outcome is items[""].outcome is not ItemOutcome.REJECTED
     assert items[PRELOAD].codes == items[""].codes

@@ -27,6 +27,7 @@ from assetkit.stages.appearance import NormalizeAppearance
 from cli.engines import SIMULATOR
 from gate.static_gate import gate
 from jobs.cell import Limits
+from jobs.placement import Placement
 from schemas.diagnostics import Diagnostic, finding
 from schemas.outcome import ItemOutcome, Outcome, Repair
 from schemas.report import ReportItem
@@ -91,7 +92,7 @@ def test_crashes_hangs_and_failures_cost_only_their_own_item(sources: Path, tmp_
     (sources / "hang.obj").write_text("hang")
     (sources / "fail.obj").write_text("exit")
     (sources / "greedy.obj").write_text("memory")
-    items = run(sources, batch(tmp_path / "out", jobs=2))
+    items = run(sources, batch(tmp_path / "out", placement=Placement(2)))
     assert {n: i.outcome for n, i in items.items() if len(n) == 1} == dict.fromkeys("abc", ItemOutcome.ACCEPTED)
     assert items["crash"].codes == ("asset/worker-crashed",)
     assert items["hang"].codes == ("asset/worker-timeout",)
@@ -275,7 +276,7 @@ def test_a_source_removed_while_it_is_read_is_missing(sources: Path, tmp_path: P
 def test_ctrl_c_stores_finished_items_and_nothing_of_running_ones(sources: Path, tmp_path: Path):
     for name in ("x", "y"):
         (sources / f"{name}.obj").write_text("hang")
-    this = batch(tmp_path / "out", jobs=5)
+    this = batch(tmp_path / "out", placement=Placement(5))
     candidates = discover([sources])
     running = cast(Generator[ReportItem], run_items(candidates, this))
     finished = [next(running) for _ in range(3)]
