@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from rich.console import Console
 from rich.markup import escape
@@ -17,9 +17,10 @@ from rich.progress import (
 )
 from rich.table import Table
 
+from assetkit.batch.report_file import FinishedBatch
 from schemas.diagnostics import Diagnostic
 from schemas.outcome import ItemOutcome
-from schemas.report import IngestReport
+from schemas.report import Reason, ReportItem
 
 console = Console()
 STYLE = {
@@ -65,8 +66,8 @@ def show_diagnostic(diagnostic: Diagnostic, indent: str = "") -> None:
         console.print(f"{indent}  [dim]help: {escape(diagnostic.help)}[/dim]", soft_wrap=True)
 
 
-def show_summary(report: IngestReport) -> None:
-    """Print the outcome counts and, for what was not accepted, the reason."""
+def show_summary(report: FinishedBatch, *, verbose: bool = False) -> None:
+    """Print the outcome counts, and why items were not accepted: by code with an example, or `verbose` item by item."""
     table = Table(title="Outcomes", title_justify="left")
     for outcome in ItemOutcome:
         table.add_column(outcome.value, justify="right", style=STYLE[outcome])
@@ -82,7 +83,30 @@ def show_summary(report: IngestReport) -> None:
         price = f", {totals['endpoint_usd']:.4f} USD" if "endpoint_usd" in totals else ""
         asked, kept = (int(totals[f"endpoint_{name}"]) for name in ("requests", "from_store"))
         console.print(f"annotator: {asked} requests, {kept} answers from the store, {spent}{price}")
-    for item in report.items:
+    if verbose:
+        _show_items(report.items)
+    else:
+        _show_reasons(report.reasons)
+
+
+def _show_reasons(reasons: Sequence[Reason]) -> None:
+    """Print each code that rejected items or sent them to review: how many, the first of them, and what to do."""
+    for reason in reasons:
+        counts = [
+            f"[{STYLE[o]}]{reason.outcomes[o]} {o.value}[/]"
+            for o in (ItemOutcome.REJECTED, ItemOutcome.REVIEW)
+            if o in reason.outcomes
+        ]
+        if not counts:
+            continue
+        console.print(f"{', '.join(counts)}: [bold]{reason.code}[/bold]", soft_wrap=True)
+        console.print(f"  e.g. {escape(reason.example)}: {escape(reason.headline)}", soft_wrap=True)
+        if reason.help:
+            console.print(f"  [dim]help: {escape(reason.help)}[/dim]", soft_wrap=True)
+
+
+def _show_items(items: Iterable[ReportItem]) -> None:
+    for item in items:
         if item.outcome in {ItemOutcome.REVIEW, ItemOutcome.REJECTED}:
             style = STYLE[item.outcome]
             console.print(f"[{style}]{item.outcome.value}[/{style}] {escape(item.source)}", soft_wrap=True)

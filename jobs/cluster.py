@@ -51,13 +51,21 @@ class Cluster:
 
 @contextlib.contextmanager
 def cluster_cells(
-    address: str, preload: str, *, shared: Sequence[Path], env: Mapping[str, str], jobs: int, notice: Notice = print
+    address: str,
+    preload: str,
+    *,
+    shared: Sequence[Path],
+    needed: Sequence[Path] = (),
+    env: Mapping[str, str],
+    jobs: int,
+    notice: Notice = print,
 ) -> Iterator[Cluster]:
     """Within it, `jobs.warm.run_module` runs its cells on the workers of the cluster at `address`.
 
     `address` is that of a scheduler ("tcp://host:8786"), or `THIS_MACHINE` for a cluster of `jobs` workers here that
     ends with the context. Workers fork their cells from a process that has imported `preload`, with `env` added to
-    its environment. `shared` are folders that every worker must see. `notice` gets a line for each worker that is
+    its environment. `shared` are folders that every worker must share, `needed` paths that must exist
+    there. `notice` gets a line for each worker that is
     refused. Raises ClusterUnusable when the scheduler does
     not answer, or no worker is suitable.
     """
@@ -77,7 +85,7 @@ def cluster_cells(
 
         client.subscribe_topic(_REFUSALS + resource, refuse)
         stack.enter_context(probe)
-        guard = SuitableWorkers(resource, _versions(), probe.files)
+        guard = SuitableWorkers(resource, _versions(), probe.files, [str(path.absolute()) for path in needed])
         client.register_plugin(guard)
         stack.callback(_forgotten, client, guard.name)
         _await_first_worker(cluster, address)
@@ -135,13 +143,15 @@ def remote_cell(
 class SuitableWorkers(WorkerPlugin):
     """Marks each worker that can run cells of this batch with the resource `resource`; reports why others cannot."""
 
-    def __init__(self, resource: str, versions: dict[str, str], files: Mapping[str, str]) -> None:
+    def __init__(
+        self, resource: str, versions: dict[str, str], files: Mapping[str, str], needed: Sequence[str]
+    ) -> None:
         self.name = resource
-        self._versions, self._files = versions, dict(files)
+        self._versions, self._files, self._needed = versions, dict(files), list(needed)
 
     async def setup(self, worker: Worker) -> None:
         """Judge the worker, also one that joins late. Called on the worker."""
-        reason = await asyncio.to_thread(unsuitable, self._versions, self._files)
+        reason = await asyncio.to_thread(unsuitable, self._versions, self._files, self._needed)
         if reason:
             worker.log_event(_REFUSALS + self.name, (worker.address, reason))
         else:
@@ -157,8 +167,8 @@ class SuitableWorkers(WorkerPlugin):
             await worker.set_resources(**{self.name: 0})
 
 
-def unsuitable(versions: Mapping[str, str], files: Mapping[str, str]) -> str:
-    """Why this process cannot run cells of a batch with these `versions` and probe `files`; "" when it can."""
+def unsuitable(versions: Mapping[str, str], files: Mapping[str, str], needed: Sequence[str] = ()) -> str:
+    """Why this process cannot run cells of a batch with these `versions`, probe `files` and `needed` paths, or ""."""
     here = _versions()
     other = sorted(name for name in versions.keys() | here.keys() if versions.get(name) != here.get(name))
     if other:
@@ -167,7 +177,8 @@ def unsuitable(versions: Mapping[str, str], files: Mapping[str, str]) -> str:
     for file, content in files.items():
         if not _holds(Path(file), content):
             return f"it does not see the folder {Path(file).parent}: it must be on storage that all machines share"
-    return ""
+    absent = [path for path in needed if not Path(path).exists()]
+    return f"it does not see {absent[0]}, which is to be read" if absent else ""
 
 
 class _Probe:

@@ -40,12 +40,13 @@ ONE_CELL = Placement()  # one cell at a time, on this machine
 
 @contextlib.contextmanager
 def cells_at(
-    placement: Placement, preload: str, *, env: Mapping[str, str], shared: Sequence[Path]
+    placement: Placement, preload: str, *, env: Mapping[str, str], shared: Sequence[Path], needed: Sequence[Path] = ()
 ) -> Iterator[int | Callable[[], int]]:
     """Within it, `jobs.warm.run_module` runs its cells at `placement`; gives the `jobs` for `jobs.schedule.run_all`.
 
     `preload` is a module that is imported once for many cells, with `env` added to the environment. `shared` are the
-    folders that every machine has to see, under the same path. Raises ClusterUnusable for an unusable cluster.
+    folders that every machine has to share, under the same path, and `needed` files and folders that it only reads.
+    Raises ClusterUnusable for an unusable cluster.
     """
     if placement.scheduler is None:
         with warm_cells(preload, env=dict(env)):
@@ -53,8 +54,6 @@ def cells_at(
         return
     from jobs.cluster import cluster_cells  # Loads distributed, which most runs do not need.
 
-    cluster_of = cluster_cells(
-        placement.scheduler, preload, shared=shared, env=env, jobs=placement.jobs, notice=placement.notice
-    )
-    with cluster_of as cluster:
+    where, jobs, notice = placement.scheduler, placement.jobs, placement.notice
+    with cluster_cells(where, preload, shared=shared, needed=needed, env=env, jobs=jobs, notice=notice) as cluster:
         yield lambda: cluster.capacity

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict
 
-from schemas.diagnostics import Diagnostic
+from schemas.diagnostics import Diagnostic, Severity
 from schemas.outcome import EndpointUse, ItemOutcome, Repair
 
 
@@ -26,6 +26,27 @@ class ReportItem(BaseModel):
     traceback: str = ""
 
 
+class Reason(BaseModel):
+    """A code that kept items from being accepted as they were: how many items of each outcome have it, and the first.
+
+    `headline` and `help` are those of the example, the first item in the order of the report.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    code: str
+    severity: Severity
+    outcomes: dict[ItemOutcome, int]
+    example: str
+    headline: str
+    help: str = ""
+
+    @property
+    def items(self) -> int:
+        """Number of items that have the code."""
+        return sum(self.outcomes.values())
+
+
 class IngestReport(BaseModel):
     """`report.json` of `mana assets ingest`. Timings live here and nowhere else."""
 
@@ -33,5 +54,6 @@ class IngestReport(BaseModel):
 
     schema_version: str = "1.0"
     items: tuple[ReportItem, ...]
+    reasons: tuple[Reason, ...] = ()
     totals: dict[str, float]
     interrupted: bool = False

@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Protocol
 
 from assetkit.batch import ownership, result_store
 from assetkit.batch.decisions import read_decisions, with_decisions
@@ -38,6 +39,7 @@ ENVIRONMENT = {"OMP_NUM_THREADS": "1", "PXR_WORK_THREAD_LIMIT": "1", "PYTHONHASH
 _IMPORT_OUTPUT = "#"  # How a line begins that OpenUSD prints on import, given a thread limit.
 READY_STUDIO_FROM = 6  # sources; a ready studio takes the processor time that so many assets save with it
 WORKER, PRELOAD = "assetkit.batch.worker", "assetkit.batch.preload"
+WORK = ".work"  # below the output folder: files of the running batch
 DEFAULT_LIMITS = Limits(seconds=300.0, memory_mb=8192)
 
 
@@ -47,7 +49,8 @@ class Batch:
 
     `engine` names the simulator that the caller chooses (`sim.named_engine`). `worker` runs one request file, given as
     its last argument: a Python module, or any command. `preload` names a module that imports what a worker module
-    needs: it is imported once, and every worker starts as a fork of that process.
+    needs: it is imported once, and every worker starts as a fork of that process. `given` are the files and folders
+    that hold the sources, which machines of a cluster have to see.
     """
 
     out: Path
@@ -59,10 +62,25 @@ class Batch:
     limits: Limits = DEFAULT_LIMITS
     resume: bool = False
     fresh: bool = False
+    given: tuple[Path, ...] = ()
 
 
-def run_items(candidates: Sequence[SourceAsset], batch: Batch) -> Iterator[ReportItem]:
-    """Yield one report item per source as it finishes; every item is on disk before it is yielded.
+class Sources(Protocol):
+    """Sources in order, perhaps read from a file one after another."""
+
+    def __len__(self) -> int: ...
+
+    def __iter__(self) -> Iterator[SourceAsset]: ...
+
+
+def run_items(candidates: Sources, batch: Batch) -> Iterator[ReportItem]:
+    """The items of `numbered_items` alone."""
+    for _, item in numbered_items(candidates, batch):
+        yield item
+
+
+def numbered_items(candidates: Sources, batch: Batch) -> Iterator[tuple[int, ReportItem]]:
+    """Yield position and report item of each source as it finishes; every item is on disk before it is yielded.
 
     A source whose files, options, libraries and code are unchanged and whose packages are intact is taken from the
     store (`cached = ("item",)`). Crashes and time-outs are tried again unless `resume` is set. Verdicts that do not
@@ -73,18 +91,17 @@ def run_items(candidates: Sequence[SourceAsset], batch: Batch) -> Iterator[Repor
     """
     batch.out.mkdir(parents=True, exist_ok=True)
     decisions = read_decisions(batch.out)
-    owned = [ownership.resolve_asset_id(c, batch.out) for c in candidates]
-    studio = {"MANA_STUDIO": "ready"} if len(owned) >= READY_STUDIO_FROM else {}
+    studio = {"MANA_STUDIO": "ready"} if len(candidates) >= READY_STUDIO_FROM else {}
     env = ENVIRONMENT | {"MANA_ENGINE": batch.engine} | studio
-    shared = [batch.out, *sorted({candidate.file.root for candidate in candidates})]
-    with cells_at(batch.placement, batch.preload, env=env, shared=shared) as jobs:
-        for _, item in run_all(lambda c: _item(c, batch, decisions), owned, jobs=jobs):
-            yield item
+    with cells_at(batch.placement, batch.preload, env=env, shared=[batch.out], needed=batch.given) as jobs:
+        for (position, _), item in run_all(lambda n: _item(n[1], batch, decisions), enumerate(candidates), jobs=jobs):
+            yield position, item
 
 
 def _item(candidate: SourceAsset, batch: Batch, decisions: Sequence[Decision]) -> ReportItem:
     """The item of one source: from the store, or made in a cell. An error affects this item only."""
     try:
+        candidate = ownership.resolve_asset_id(candidate, batch.out)
         if (unusable := refusal(candidate.file)) is not None:
             return rejected(candidate, unusable)
         batch = replace(batch, options=with_decisions(batch.options, candidate, decisions))
@@ -101,7 +118,7 @@ def _item(candidate: SourceAsset, batch: Batch, decisions: Sequence[Decision]) -
 
 def _in_cell(candidate: SourceAsset, batch: Batch, note: Path) -> ReportItem:
     main_sha256 = file_sha256(candidate.file.path)
-    work = batch.out / ".work" / content_key(str(candidate.file.path.absolute()), candidate.asset_id)[:16]
+    work = batch.out / WORK / content_key(str(candidate.file.path.absolute()), candidate.asset_id)[:16]
     shutil.rmtree(work, ignore_errors=True)
     work.mkdir(parents=True)
     request = work / "request.json"

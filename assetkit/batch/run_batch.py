@@ -6,15 +6,17 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from assetkit.batch.item_cells import DEFAULT_LIMITS, Batch, default_jobs, run_items
-from assetkit.batch.report import build_report, write_report
+from assetkit.batch.finished_items import FinishedItems
+from assetkit.batch.item_cells import DEFAULT_LIMITS, WORK, Batch, Sources, default_jobs, numbered_items
+from assetkit.batch.report import write_report
+from assetkit.batch.report_file import FinishedBatch
 from assetkit.library import catalog
 from assetkit.options import Options
-from assetkit.sources.discover import SourceAsset, discover
+from assetkit.sources.source_list import listed_sources
 from jobs.cell import Limits
 from jobs.lock import exclusive
 from jobs.placement import Placement
-from schemas.report import IngestReport, ReportItem
+from schemas.report import ReportItem
 
 # Called with (items finished, items in all, the item that has just finished or None at the start).
 Progress = Callable[[int, int, ReportItem | None], None]
@@ -32,8 +34,8 @@ def ingest(
     resume: bool = False,
     fresh: bool = False,
     progress: Progress | None = None,
-) -> IngestReport:
-    """Turn source files (or folders of them) into packages in the folder `out`, and return the report of the batch.
+) -> FinishedBatch:
+    """Turn source files (or folders of them) into packages in the folder `out`, and return the figures of the batch.
 
     `engine` names the simulator that tries each package, as `"module:attribute"`; PyBullet is
     `"sim.bullet.simulator:BulletSimulator"`. `options` hold what the caller knows of the sources: units, up axis, role,
@@ -48,7 +50,8 @@ def ingest(
     """
     out = Path(out)
     with exclusive(out):
-        candidates = discover([Path(source) for source in sources], root=None if root is None else Path(root), out=out)
+        given = tuple(Path(source) for source in sources)
+        found = listed_sources(given, out / WORK, root=None if root is None else Path(root), out=out)
         batch = Batch(
             out=out,
             options=options or Options(),
@@ -57,25 +60,29 @@ def ingest(
             limits=limits,
             resume=resume,
             fresh=fresh,
+            given=given,
         )
-        return run_batch(candidates, batch, progress)
+        return run_batch(found, batch, progress)
 
 
-def run_batch(candidates: Sequence[SourceAsset], batch: Batch, progress: Progress | None = None) -> IngestReport:
-    """Run all items, then write report and catalogue, also after Ctrl-C. The caller holds the lock of the folder."""
+def run_batch(candidates: Sources, batch: Batch, progress: Progress | None = None) -> FinishedBatch:
+    """Run all items, then write report and catalogue, also after Ctrl-C. The caller holds the lock of the folder.
+
+    Sources and finished items lie on disk, so memory does not grow with their number.
+    """
     started = time.monotonic()
     interrupted = False
-    finished: dict[str, ReportItem] = {}
     report_progress = progress or (lambda done, total, item: None)
     report_progress(0, len(candidates), None)
-    try:
-        for item in run_items(candidates, batch):
-            finished[item.source] = item
-            report_progress(len(finished), len(candidates), item)
-    except KeyboardInterrupt:
-        interrupted = True
-    items = [finished[c.given] for c in candidates if c.given in finished]
-    report = build_report(items, wall_seconds=time.monotonic() - started, interrupted=interrupted)
-    write_report(report, batch.out)
+    with FinishedItems(batch.out / WORK, len(candidates)) as finished:
+        try:
+            for position, item in numbered_items(candidates, batch):
+                finished.add(position, item)
+                report_progress(len(finished), len(candidates), item)
+        except KeyboardInterrupt:
+            interrupted = True
+        totals = finished.totals(wall_seconds=time.monotonic() - started)
+        result = FinishedBatch(batch.out, totals, finished.reasons(), interrupted)
+        write_report(result, finished)
     catalog.rebuild(batch.out)
-    return report
+    return result

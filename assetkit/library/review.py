@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import takewhile
 from pathlib import Path, PurePosixPath
 from typing import Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 
 from assetkit.batch.decisions import date_of_decision
 from assetkit.options import METERS_PER_UNIT
@@ -18,12 +18,11 @@ from assetkit.parts.human_labels import allowed_labels, region_key
 from schemas.asset import AssetRecord
 from schemas.asset import SourceFile as FileRead
 from schemas.decision import DecidedField, Decision, PartLabel
-from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
+from schemas.diagnostics import Diagnostic, Severity
 from schemas.outcome import ItemOutcome
 from schemas.parts import UNLABELLED, by_id
-from schemas.report import IngestReport, ReportItem
+from schemas.report import ReportItem
 
-REPORT = "report.json"
 DOUBTFUL = 0.5  # Evidence below this confidence is shown.
 _UP_AXIS_TEXTS = {
     "x": "x is up",
@@ -70,20 +69,7 @@ class ReviewItem(_Model):
     decisions: tuple[Decision, ...]
 
 
-def read_report(out: Path) -> IngestReport:
-    """The report of the last run.
-
-    Raises FileNotFoundError when there is none, InvalidInput (`asset/report-unreadable`) when it is damaged.
-    """
-    data = (out / REPORT).read_bytes()
-    try:
-        return IngestReport.model_validate_json(data)
-    except ValidationError as error:
-        headline = f"{REPORT} cannot be read; `mana assets ingest` writes it anew"
-        raise InvalidInput(finding("asset/report-unreadable", headline, where=Location(file=REPORT))) from error
-
-
-def review_items(out: Path, items: Sequence[ReportItem], decisions: Sequence[Decision]) -> Iterator[ReviewItem]:
+def review_items(out: Path, items: Iterable[ReportItem], decisions: Sequence[Decision]) -> Iterator[ReviewItem]:
     """One review item per report item, in the order of `items`."""
     for item in items:
         records = _records(out, item)
@@ -147,10 +133,16 @@ def _uncertain_parts(record: AssetRecord) -> Iterator[UncertainValue]:
         )
 
 
-def items_called(report: IngestReport, name: str) -> list[ReportItem]:
+def items_called(items: Iterable[ReportItem], name: str) -> list[ReportItem]:
     """The items of a name: that of the source as given or of one of its packages; else all whose file has that name."""
-    exact = [i for i in report.items if i.source == name or name in i.packages]
-    return exact or [i for i in report.items if PurePosixPath(i.source).name == name]
+    exact: list[ReportItem] = []
+    namesakes: list[ReportItem] = []
+    for item in items:
+        if item.source == name or name in item.packages:
+            exact.append(item)
+        elif PurePosixPath(item.source).name == name:
+            namesakes.append(item)
+    return exact or namesakes
 
 
 def decision_about(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import shutil
+import sys
 from pathlib import Path
 from typing import Annotated, cast, get_args
 
@@ -14,6 +15,7 @@ from rich.markup import escape
 
 from assetkit.annotate.exchange import worst_seconds
 from assetkit.batch.item_cells import default_jobs
+from assetkit.batch.report_file import REPORT
 from assetkit.batch.run_batch import ingest
 from assetkit.batch.suite_rows import withdrawn_roles
 from assetkit.library import catalog
@@ -82,6 +84,9 @@ def ingest_command(
         bool, typer.Option("--resume", help="Also keep crashed and timed-out items as they are.")
     ] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Make every item anew.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", "-v", help="Print every item that is not accepted with all its findings.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Take files through every stage and release a package for each object.
@@ -132,13 +137,14 @@ def ingest_command(
             progress=progress,
         )
     if as_json:
-        print(report.model_dump_json(indent=1))
+        with (out / REPORT).open() as written:
+            shutil.copyfileobj(written, sys.stdout)
     else:
-        text.show_summary(report)
+        text.show_summary(report, verbose=verbose)
         text.console.print(f"report: {escape(str(out / 'report.html'))}", soft_wrap=True)
     if report.interrupted:
         if not as_json:
-            text.console.print(f"interrupted after {len(report.items)} items; the same command continues")
+            text.console.print(f"interrupted after {report.totals['items']:.0f} items; the same command continues")
         raise typer.Exit(2)
     raise typer.Exit(1 if report.totals[ItemOutcome.REJECTED.value] else 0)
 

@@ -12,6 +12,7 @@ import typer
 from rich.markup import escape
 
 from assetkit.batch.item_cells import default_jobs
+from assetkit.batch.report_file import read_report
 from assetkit.batch.run_batch import ingest
 from assetkit.generate.parameters import Parameter, ParameterError, nearest, parameters_of, read_settings
 from assetkit.generate.truth import TRUTH_FILE
@@ -89,7 +90,11 @@ def _ingest(files: Sequence[Path], folder: Path, out: Path, jobs: int, as_json: 
     with shown_progress(quiet=as_json) as progress:
         report = ingest(list(files), out, engine=SIMULATOR, placement=Placement(jobs), progress=progress)
     if as_json:
-        print(json.dumps({"truth": str(folder / TRUTH_FILE), "report": report.model_dump(mode="json")}, indent=1))
+        print(
+            json.dumps(
+                {"truth": str(folder / TRUTH_FILE), "report": read_report(out).model_dump(mode="json")}, indent=1
+            )
+        )
     else:
         text.show_summary(report)
         text.console.print(f"truth: {escape(str(folder / TRUTH_FILE))}", soft_wrap=True)

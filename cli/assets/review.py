@@ -12,7 +12,8 @@ from rich.markup import escape
 
 from assetkit.annotate.name_reading import category_by_name
 from assetkit.batch.decisions import DECISIONS, check_value, read_decisions, record_decision
-from assetkit.library.review import ReviewItem, decision_about, items_called, read_report, review_items
+from assetkit.batch.report_file import read_items
+from assetkit.library.review import ReviewItem, decision_about, items_called, review_items
 from cli import text
 from schemas.decision import DecidedField, Decision
 from schemas.outcome import ItemOutcome
@@ -61,12 +62,11 @@ def review_command(
     `mana assets review library pot.obj --part part_2=lid --by Ann`
     """
     decisions = read_decisions(library)
-    report = read_report(library)
     deciding = bool(set_) or bool(part) or accept is not None
     if item is None:
         if deciding:
             raise typer.BadParameter("name the item that the decision is about", param_hint="ITEM")
-        waiting = [i for i in report.items if doubtful or i.outcome is ItemOutcome.REVIEW]
+        waiting = (i for i in read_items(library) if doubtful or i.outcome is ItemOutcome.REVIEW)
         asked = [
             q
             for q in review_items(library, waiting, decisions)
@@ -74,7 +74,7 @@ def review_command(
         ]
         _show_all(library, asked, as_json)
         return
-    meant = _the_one(items_called(report, item), item)
+    meant = _the_one(items_called(read_items(library), item), item)
     if not deciding:
         _show_all(library, list(review_items(library, [meant], decisions)), as_json)
         return

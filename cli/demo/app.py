@@ -11,6 +11,7 @@ import typer
 from rich.markup import escape
 
 from assetkit.batch.item_cells import default_jobs
+from assetkit.batch.report_file import read_report
 from assetkit.batch.run_batch import ingest
 from assetkit.options import Options
 from cli import text
@@ -81,7 +82,7 @@ def demo(
         gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
     page = write_page(report, verdicts, spoiled, search_demo(library), scene, mechanism, accepted, replay, gap, out)
     if as_json:
-        print(report.model_dump_json(indent=1))
+        print(read_report(library).model_dump_json(indent=1))
     else:
         text.show_summary(report)
         show_scene(scene)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from assetkit.batch.report_file import FinishedBatch
 from assetkit.package.package import PREVIEWS
 from assetkit.package.record import RECORD
 from cli.demo.acceptance import AcceptanceDemo
@@ -18,7 +19,6 @@ from cli.demo.search import SearchDemo
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, Severity
-from schemas.report import IngestReport
 from simgap.report.html import PICTURES
 
 _CAPTIONS = {
@@ -29,7 +29,7 @@ _CAPTIONS = {
 
 
 def write_page(
-    report: IngestReport,
+    report: FinishedBatch,
     verdicts: dict[Path, tuple[Diagnostic, ...]],
     spoiled: tuple[Spoiled, ...],
     searches: tuple[SearchDemo, ...],

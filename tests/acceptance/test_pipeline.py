@@ -128,7 +128,8 @@ def test_previews_and_report_are_there(library: tuple[Path, dict]):
         names = {p.stem for p in (out / package / "previews").glob("*.png")}
         assert {"thumbnail", "collision"} <= names
         assert len(names - {"grasps"}) == 6  # one more where something can be grasped
-    page = (out / "report.html").read_text()
+    assert '"cup"' in (out / "report.html").read_text()
+    page = (out / ".report" / "00000.js").read_text()
     assert "cup/previews/thumbnail.png" in page
     assert "asset/path-escape" in page
 

@@ -16,7 +16,7 @@ import pytest
 from assetkit.acceptance import judge_package
 from assetkit.batch import ownership, result_store, worker
 from assetkit.batch.item_cells import Batch, run_items
-from assetkit.batch.report import build_report, write_report
+from assetkit.batch.run_batch import run_batch
 from assetkit.options import Options
 from assetkit.package import release
 from assetkit.pipeline import process_source
@@ -382,8 +382,7 @@ def test_outcome_of_a_journal():
 
 def test_report_json_has_the_stable_keys(sources: Path, tmp_path: Path):
     this = batch(tmp_path / "out")
-    items = run(sources, this)
-    write_report(build_report(items.values(), wall_seconds=2.0, interrupted=False), this.out)
+    run_batch(discover([sources], out=this.out), this)
     report = json.loads((this.out / "report.json").read_text())
     assert report["schema_version"]
     assert set(report["items"][0]) >= {"source", "outcome", "codes", "packages", "repairs", "seconds"}

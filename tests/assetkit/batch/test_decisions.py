@@ -14,8 +14,9 @@ from typer.testing import CliRunner
 from assetkit.batch.decisions import DECISIONS, decision_findings, read_decisions, record_decision, with_decisions
 from assetkit.batch.human_acceptance import apply_human_acceptance
 from assetkit.batch.item_cells import run_items
+from assetkit.batch.report_file import read_report
 from assetkit.batch.suite_rows import VIDEOS
-from assetkit.library.review import decision_about, main_file, read_report
+from assetkit.library.review import decision_about, main_file
 from assetkit.options import Options
 from assetkit.sources.discover import discover
 from assetkit.stage_log import Entry, StageLog
@@ -214,11 +215,11 @@ def test_review_and_search_of_a_real_file_from_end_to_end(bullet_data: Path, tmp
     said = ("--set", "category=toy_figure", "--set", "units=in", "--by", "Ann", "--reason", "a bath toy")
     mana("review", out, "duck.obj", *said)
     film = out / VIDEOS / "duck.gif"
-    assert film.name not in (out / "report.html").read_text()
+    assert film.name not in (out / ".report" / "00000.js").read_text()
     film.parent.mkdir()
     film.touch()
     item = json.loads(mana(*again))["items"][0]
-    page = (out / "report.html").read_text()
+    (page,) = json.loads((out / ".report" / "00000.js").read_text().removeprefix("details(0, ").removesuffix(");\n"))
     assert f'href="{VIDEOS}/duck.gif"' in page  # The film is left alone and linked.
     assert "<td>common</td>" in page
     assert (item["outcome"], [r["name"] for r in item["repairs"]]) == ("repaired", ["turn_upright"])  # It lay.
