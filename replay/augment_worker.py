@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from jobs.cache import content_key, file_sha256, write_atomically
+from jobs.json_cell import answer
 from replay.augmentation import PreparedEpisode, insertion_shortfall, prepare, variants
-from replay.cell_answer import answer
 from replay.envelope.envelope import Settings
 from replay.insertion.candidates import from_plan
 from replay.recording.formats.digests import stream_digests

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from jobs.cell import Limits
+from jobs.json_cell import ONE_THREAD, ask
 from jobs.placement import Placement, cells_at
 from jobs.schedule import run_all
-from replay.cell_answer import ONE_THREAD, ask
 from schemas.diagnostics import Diagnostic
 
 LIMITS = Limits(seconds=3600.0, memory_mb=8192)
@@ -71,7 +71,7 @@ def augment(
         requests = {source: {**request, "source": str(source), "prefix": prefixes[source]} for source in sources}
 
         def augmented(path: Path) -> dict[str, Any]:
-            return ask(WORKER, requests[path], LIMITS, path.name, scratch=Path(out))
+            return ask(WORKER, requests[path], LIMITS, path.name, stopped="replay/stopped", scratch=Path(out))
 
         answers = run_all(augmented, sources, jobs=jobs)
         for done, (source, answer) in enumerate(answers, start=1):

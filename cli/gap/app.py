@@ -12,6 +12,7 @@ from rich.markup import escape
 
 from cli import text
 from cli.engines import REPLAY_ENGINE
+from cli.placement import Scheduler, placement_of
 from jobs.cache import write_atomically
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.sim_gap.report import GapReport
@@ -28,20 +29,31 @@ _STATUS = {"effect_found": "green", "no_effect": "blue", "ambiguous": "yellow", 
 
 @app.command("find")
 def find_command(
-    measurement: Folder,
-    out: Annotated[Path, typer.Option("--out", help="Folder for the report; made if absent.")],
-    jobs: Annotated[int, typer.Option("--jobs", min=1, help="Processes; any number gives the same answer.")] = 1,
+    measurements: Annotated[
+        list[Path], typer.Argument(help="Folders with measurement.yaml and trajectories/.", exists=True)
+    ],
+    out: Annotated[Path, typer.Option("--out", help="Folder for the report, or for those of several; made if absent.")],
+    jobs: Annotated[
+        int, typer.Option("--jobs", min=1, help="Processes for one folder, or folders at a time; answers are the same.")
+    ] = 1,
+    scheduler: Scheduler = None,
     quick: Annotated[bool, typer.Option("--quick", help="Skip the slow baseline with all effects at once.")] = False,
     as_json: AsJson = False,
 ) -> None:
     """Say which effect the model lacks, how strong it is, how sure that is, and what it gains on unseen trials.
 
     Finding no effect, or two that cannot be distinguished, is an answer too; the page `report.html` explains it. The
-    same command again gives the stored answer at once, or continues where it was interrupted. Exit code 1 when the
-    folder cannot be used, 2 when interrupted or called wrongly.
+    same command again gives the stored answer at once, or continues where it was interrupted. Of several folders each
+    has its report in a folder of its name below --out. Exit code 1 when a folder cannot be used, 2 when interrupted or
+    called wrongly.
 
-    Example: `mana gap find recordings/door --out door_gap`
+    Examples: `mana gap find recordings/door --out door_gap`, `mana gap find recordings/* --out gaps --jobs 4`
     """
+    if len(measurements) > 1 or scheduler is not None:
+        from cli.gap.find_many import find_in_all  # Loads the search.
+
+        find_in_all(measurements, out, placement_of(jobs, scheduler), quick=quick, as_json=as_json)
+    [measurement] = measurements
     from simgap.run import search  # Loads engine and plotting.
 
     started = time.monotonic()

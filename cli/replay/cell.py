@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from jobs.cell import Limits
-from replay.cell_answer import answer, ask
+from jobs.json_cell import answer, ask
 from replay.verification.check_output import check_output
 from schemas.diagnostics import Diagnostic, InvalidInput
 from schemas.replay.documents import VariantCheck
@@ -20,7 +20,13 @@ def checked(
 ) -> list[VariantCheck]:
     """The check of every variant below `out`. Raises InvalidInput, also where a library crashes (`replay/stopped`)."""
     paths = {"out": str(out), "packages": packages and str(packages), "meshes": meshes and str(meshes)}
-    reply = ask("cli.replay.cell", {**paths, "clearance_m": clearance_m, "settle": settle}, LIMITS, out.name)
+    reply = ask(
+        "cli.replay.cell",
+        {**paths, "clearance_m": clearance_m, "settle": settle},
+        LIMITS,
+        out.name,
+        stopped="replay/stopped",
+    )
     if "refused" in reply:
         raise InvalidInput(Diagnostic.model_validate(reply["refused"]))
     return [VariantCheck.model_validate(row) for row in reply["checks"]]

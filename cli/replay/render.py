@@ -11,9 +11,9 @@ import typer
 
 from cli import text
 from jobs.cell import Limits
+from jobs.json_cell import ONE_THREAD, ask
 from jobs.schedule import run_all
 from jobs.warm import warm_cells
-from replay.cell_answer import ONE_THREAD, ask
 
 _CELL, _LIMITS = "cli.replay.render_cell", Limits(seconds=12 * 3600.0, memory_mb=8192)
 
@@ -75,7 +75,9 @@ def draw_variants(folders: Sequence[Path], given: dict[str, Any], jobs: int, qui
     with warm_cells(_CELL, env=ONE_THREAD), text.progress(quiet=quiet) as bar:
         task = bar.add_task("drawing", total=len(folders))
         for folder, answer in run_all(
-            lambda one: ask(_CELL, {**given, "folder": str(one)}, _LIMITS, one.name), folders, jobs=jobs
+            lambda one: ask(_CELL, {**given, "folder": str(one)}, _LIMITS, one.name, stopped="replay/stopped"),
+            folders,
+            jobs=jobs,
         ):
             answers[folder] = answer
             bar.advance(task)

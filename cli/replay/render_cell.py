@@ -11,7 +11,7 @@ from typing import Any
 import render.frames  # noqa: F401  Loaded once for all processes of a batch.
 from cli.replay.frames import NoSuchCamera, draw_variant
 from jobs.cache import content_key, file_sha256, write_atomically
-from replay.cell_answer import answer
+from jobs.json_cell import answer
 from schemas.diagnostics import InvalidInput, finding
 from schemas.replay.documents import VARIANT_FILE
 from usdio.write.scene import PACKAGES

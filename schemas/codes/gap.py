@@ -291,6 +291,12 @@ GAP_CODES: dict[str, CodeInfo] = {
         "An effect at the wrong place is worse than none.",
         "correct `where`, or apply the extension to the model that it was found on",
     ),
+    "gap/stopped": CodeInfo(
+        "error",
+        "The search in a folder took too long, too much memory, or crashed",
+        "The other folders are not affected.",
+        "run `mana gap find` on this folder alone to see what it prints",
+    ),
     "gap/missing-report": CodeInfo(
         "error",
         "There is no report of this measurement",

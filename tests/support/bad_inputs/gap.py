@@ -333,5 +333,6 @@ NOT_FROM_A_FOLDER: dict[str, str] = {
     "gap/unknown-effect": "tests/simgap/extension/test_extension.py",
     "gap/unknown-place": "tests/acceptance/test_gap.py",
     "gap/missing-report": "tests/acceptance/test_gap_plan.py",
+    "gap/stopped": "tests/simgap/test_find_many.py",
     "gap/invalid-extension": "tests/simgap/extension/test_extension.py",
 }

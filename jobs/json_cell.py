@@ -17,18 +17,19 @@ ONE_THREAD = {"OMP_NUM_THREADS": "1", "JE_ARROW_MALLOC_CONF": "background_thread
 
 
 def ask(
-    module: str, given: dict[str, Any], limits: Limits, name: str, *, scratch: Path | None = None
+    module: str, given: dict[str, Any], limits: Limits, name: str, *, stopped: str, scratch: Path | None = None
 ) -> dict[str, Any]:
     """The result that `python -m MODULE GIVEN NOTE` writes to NOTE; `refused` with a diagnostic if it stops.
 
-    The note lies below `scratch`, which the machine of the cell has to see; by default where temporary files lie.
+    `stopped` is the code of that diagnostic. The note lies below `scratch`, which the machine of the cell has to see;
+    by default where temporary files lie.
     """
     with tempfile.TemporaryDirectory(prefix=".mana", dir=scratch) as folder:
         note = Path(folder) / "answer.json"
         result = run_module(module, [json.dumps(given), str(note)], limits)
         if result.status != "ok":
-            stopped = finding("replay/stopped", f"'{name}': {result.status}: {result.output[-300:].strip()}")
-            return {"refused": stopped.model_dump(mode="json")}
+            ended = finding(stopped, f"'{name}': {result.status}: {result.output[-300:].strip()}")
+            return {"refused": ended.model_dump(mode="json")}
         return json.loads(note.read_bytes())
 
 
