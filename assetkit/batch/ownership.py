@@ -12,6 +12,8 @@ from assetkit.package.record import read_record
 from assetkit.sources.discover import SourceAsset, slug
 from jobs.cache import content_key, write_atomically
 
+OWNERS = ".cache/owners"  # below the output folder: for each package a file of its name, with the path of its source
+
 
 def resolve_asset_id(candidate: SourceAsset, out: Path) -> SourceAsset:
     """The candidate, with a suffixed id when an earlier run gave its id to another source that still exists."""
@@ -47,4 +49,4 @@ def _owner(asset_id: str, out: Path) -> Path | None:
 
 
 def _owner_note(package: str, out: Path) -> Path:
-    return out / ".cache" / "owners" / package
+    return out / OWNERS / package

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -62,7 +63,9 @@ def ingest(
             fresh=fresh,
             given=given,
         )
-        return run_batch(found, batch, progress)
+        result = run_batch(found, batch, progress)
+        shutil.rmtree(out / WORK, ignore_errors=True)
+        return result
 
 
 def run_batch(candidates: Sources, batch: Batch, progress: Progress | None = None) -> FinishedBatch:

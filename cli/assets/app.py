@@ -23,6 +23,7 @@ from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAx
 from assetkit.package.record import RECORD
 from cli import text
 from cli.assets.accept import accept_command, show_suites
+from cli.assets.doctor import doctor_command
 from cli.assets.generate import generate_command
 from cli.assets.progress import shown_progress
 from cli.assets.review import review_command
@@ -188,6 +189,7 @@ def list_command(library: Library, as_json: AsJson = False) -> None:
 
 
 app.command("accept")(accept_command)
+app.command("doctor")(doctor_command)
 app.command("generate")(generate_command)
 app.command("search")(search_command)
 app.command("review")(review_command)

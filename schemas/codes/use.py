@@ -6,6 +6,36 @@ from schemas.codes.code_info import CodeInfo
 
 USE_CODES: dict[str, CodeInfo] = {
     # Semantics.
+    "asset/library-package-damaged": CodeInfo(
+        "error",
+        "Files of a package are not those of its record",
+        "A package is what its record says; a file that was changed, lost or cut off is not what was accepted.",
+        "ingest its source into the library again, which makes the package anew",
+    ),
+    "asset/library-interrupted": CodeInfo(
+        "warning",
+        "A package was being replaced when its process ended",
+        "The old package stands aside under a hidden name, and none is in its place.",
+        "run `mana assets doctor`, which puts the old one back, or ingest the source again",
+    ),
+    "asset/library-leftover": CodeInfo(
+        "info",
+        "A file or folder of a process that was killed lies about",
+        "Whatever Mana writes is written aside and moved into place when it is whole; this never was.",
+        "run `mana assets doctor`, which removes it, or the same ingest again",
+    ),
+    "asset/library-owner-dangling": CodeInfo(
+        "info",
+        "The package that a source is noted to own is not there",
+        "Somebody removed the package; the note would keep its name from other sources.",
+        "run `mana assets doctor`, which removes the note",
+    ),
+    "asset/library-catalog-stale": CodeInfo(
+        "warning",
+        "The catalog does not list the packages that are there",
+        "Listing and search read the catalog; packages were added, removed or changed beside it.",
+        "run `mana assets doctor`, which writes it anew from the records",
+    ),
     "asset/category-unknown": CodeInfo(
         "info",
         "Nothing tells what kind of thing the object is",

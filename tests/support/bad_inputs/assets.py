@@ -304,6 +304,11 @@ SAMPLES: dict[str, Writer] = {
 }
 
 NOT_FROM_A_FILE: dict[str, str] = {
+    "asset/library-package-damaged": "tests/assetkit/library/test_doctor.py",
+    "asset/library-interrupted": "tests/assetkit/library/test_doctor.py",
+    "asset/library-leftover": "tests/assetkit/library/test_doctor.py",
+    "asset/library-owner-dangling": "tests/assetkit/library/test_doctor.py",
+    "asset/library-catalog-stale": "tests/assetkit/library/test_doctor.py",
     "asset/worker-crashed": "tests/assetkit/test_batch.py",
     "asset/worker-timeout": "tests/assetkit/test_batch.py",
     "asset/worker-out-of-memory": "tests/assetkit/test_batch.py",
