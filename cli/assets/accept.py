@@ -17,6 +17,7 @@ from cli.engines import SIMULATOR
 from jobs.cell import Limits
 from schemas.acceptance import SuiteSection
 from schemas.asset import Role
+from schemas.exercised import Exercised
 
 _STYLE = {"passed": "green", "failed": "red", "not run": "dim"}
 
@@ -99,6 +100,18 @@ def _show(file: Path, report: AcceptanceReport, *, asked: bool) -> None:
         text.console.print(f"  video: {escape(report.video)}", soft_wrap=True)
     elif asked:
         text.console.print("  no video: no suite moved anything with the gripper")
+
+
+def show_exercised(ranges: Exercised | None) -> None:
+    """A line with the ranges of friction and mass over which all suites passed."""
+    if ranges is None:
+        return
+    parts = [
+        f"{words} {limit.low:.3g} to {limit.high:.3g}{unit}"
+        + (f" (beyond, {', '.join(limit.limited_by)} failed)" if limit.limited_by else "")
+        for limit, words, unit in ((ranges.friction, "friction", ""), (ranges.mass_kg, "mass", " kg"))
+    ]
+    text.console.print(f"  may be varied within {' and '.join(parts)}", soft_wrap=True, markup=False)
 
 
 def show_suites(suites: Sequence[SuiteSection]) -> None:

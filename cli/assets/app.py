@@ -22,7 +22,7 @@ from assetkit.library import catalog
 from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
 from assetkit.package.record import RECORD
 from cli import text
-from cli.assets.accept import accept_command, show_suites
+from cli.assets.accept import accept_command, show_exercised, show_suites
 from cli.assets.doctor import doctor_command
 from cli.assets.generate import generate_command
 from cli.assets.progress import shown_progress
@@ -34,8 +34,9 @@ from cli.placement import Scheduler, placement_of
 from jobs.cache import content_key, file_sha256
 from jobs.cell import Limits
 from schemas.acceptance import SuiteSection
-from schemas.asset import Role
+from schemas.asset import AssetRecord, Role
 from schemas.diagnostics import Diagnostic, Severity
+from schemas.exercised import exercised_ranges
 from schemas.outcome import ItemOutcome
 
 app = typer.Typer(help="Raw asset files in, accepted simulation packages out.", no_args_is_help=True)
@@ -212,7 +213,9 @@ def show_command(
     suites = record["acceptance"].get("suites", ())  # records of earlier versions have none
     if suites:
         text.console.print("acceptance by suites")
-        show_suites([SuiteSection.model_validate(suite) for suite in suites])
+        sections = [SuiteSection.model_validate(suite) for suite in suites]
+        show_suites(sections)
+        show_exercised(exercised_ranges(AssetRecord.model_validate(record)))
     for role in withdrawn_roles([Diagnostic.model_validate(each) for each in record["diagnostics"]]):
         text.console.print(f"  {role.headline} ({'; '.join(role.figures)})", soft_wrap=True, markup=False)
 

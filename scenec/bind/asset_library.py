@@ -25,6 +25,7 @@ from scenec.source.hint import did_you_mean
 from schemas.anchors import Anchor, ContainmentVolume, SupportSurface
 from schemas.asset import AssetRecord
 from schemas.diagnostics import InvalidInput, Severity, finding
+from schemas.exercised import Exercised, exercised_ranges
 from schemas.mechanism import Mechanism
 from schemas.outcome import ItemOutcome
 from schemas.physics import CollisionShape
@@ -51,6 +52,8 @@ class Geometry:
     inline: Inline | None = None
     doubts: tuple[str, ...] | None = None  # codes of the warnings of a package in review; None for any other
     posed: PosedAsset | None = None  # of an articulated asset
+    density_kgm3: float | None = None
+    exercised: Exercised | None = None  # None where nobody tried: primitives, and assets at another size
     leaning_deg: Mapping[str, float] = field(default_factory=dict[str, float])  # places that lean in this state
 
     @cached_property
@@ -244,6 +247,8 @@ class AssetLibrary:
             asset_id,
             doubts=_doubts(record),
             posed=posed,
+            density_kgm3=record.physics.density_kgm3.value,
+            exercised=None if scale != 1.0 else exercised_ranges(record),
             leaning_deg=leaning,
         )
 

@@ -11,6 +11,7 @@ from scenec.bind.asset_library import AssetLibrary
 from scenec.bind.bind_combination import Lowering
 from scenec.bind.check_assets import check_assets
 from scenec.bind.check_joints import check_joints
+from scenec.bind.check_materials import check_materials
 from scenec.bind.independent_components import independent_components
 from scenec.bind.variants import MAX_COMBINATIONS, Combination, VariantSpace
 from scenec.ir.derivation_cache import DerivationCache
@@ -116,6 +117,7 @@ def lower(
     variants = VariantSpace(names)
     binder = Binder(names, variants, library, spans, derivations or DerivationCache())
     binder.diagnostics += check_assets(program, library, spans)
+    binder.diagnostics += check_materials(program, library, spans)
     if any_error(binder.diagnostics):
         return Lowered((), tuple(binder.diagnostics), binder)
     binder.diagnostics += check_joints(names, library, spans)

@@ -223,6 +223,14 @@ SCENE_CODES: dict[str, CodeInfo] = {
         "The scene is made with the package as it is, and can be no better.",
         "look at the findings of its record (`mana assets show`), or use another asset",
     ),
+    "scene/beyond-exercised": CodeInfo(
+        "warning",
+        "A paired material gives an object friction or mass that acceptance did not exercise",
+        "A package is accepted for the friction and mass at which its suites passed; beyond that a gripper may "
+        "lose it, or it may tip over, and a sample would be valid only by its geometry.",
+        "choose values within the range shown, leave the material out for this object, or see what fails with "
+        "`mana assets accept`",
+    ),
     "scene/topples": CodeInfo(
         "warning",
         "An asset does not rest in the pose in which it is placed",

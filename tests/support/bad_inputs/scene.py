@@ -107,6 +107,8 @@ BOUND: dict[str, Text] = {
         f"a: {{object: a, placement: {ON[:-1]}", f"a: {{object: a, placement: {ON[:-1]}, orientation: stable"
     ),
     "scene/asset-in-review": pool("doubtful"),
+    "scene/beyond-exercised": pool("tried")
+    + "variants: {materials: [{id: oil, objects: [a], dynamic_friction: 0.1}]}\n",
     "scene/topples": pool("rod"),
     "scene/round-floor": SOUND.replace(f"id: a, asset: {BOX}", "id: a, asset: {type: fixed, id: bowl}")
     .replace("anchors: {", "anchors: {inside: {object: a, volume: auto}, ")

@@ -65,10 +65,11 @@ def open_bin(library: Path, asset_id: str = "bin", floor_m: float | None = None)
 
 
 def library(folder: Path, cubes: int = 17) -> Path:
-    """All of them: `cube`, `cube_0` and on, `rod`, `bin`, `bowl` (round), `doubtful` (in review), `torn`, and the
-    articulated ones."""
+    """All of them: `cube`, `cube_0` and on, `rod`, `bin`, `bowl` (round), `doubtful` (in review), `tried` (exercised
+    over ranges), `torn`, and the articulated ones."""
     cube(folder)
     cube(folder, "doubtful", outcome="review")
+    tried(folder)
     rod(folder)
     for i in range(cubes):
         cube(folder, f"cube_{i}")
@@ -78,6 +79,20 @@ def library(folder: Path, cubes: int = 17) -> Path:
     (folder / "torn").mkdir()
     (folder / "torn" / "record.json").write_text("{")
     return folder
+
+
+def tried(library: Path) -> None:
+    """A cube that a gripper carried from friction 0.4 on, and at up to twice its mass."""
+    cube(library, "tried")
+    file = library / "tried" / "record.json"
+    record = json.loads(file.read_text())
+    mass_kg = record["physics"]["mass_kg"]["value"]
+    margins = [
+        {"quantity": "friction", "low": 0.4, "high": 0.9, "bounds": [0.2, 0.9]},
+        {"quantity": "mass_kg", "low": 0.5 * mass_kg, "high": 2.0 * mass_kg, "bounds": [0.5 * mass_kg, 2.0 * mass_kg]},
+    ]
+    record["acceptance"]["suites"] = [{"name": "manipulated", "outcome": "passed", "margins": margins}]
+    file.write_text(json.dumps(record))
 
 
 def _package(
