@@ -55,7 +55,7 @@ def exercised(suites: Sequence[SuiteSection], *, friction: float, mass_kg: float
 
     Each is where the margins of all suites overlap that were run at other values; without any it is the value alone.
     For every corner at which a suite failed, unless an end already keeps clear of it, the end that loses less (as a
-    ratio) goes back to the value on record: single margins were tried with the other quantity at its value, corners were not.
+    ratio) goes back to the value on record: single margins were tried with the other quantity at its value.
     """
     passed = [suite for suite in suites if suite.outcome == "passed"]
     ranges: dict[Quantity, ExercisedRange] = {
