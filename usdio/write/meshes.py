@@ -13,7 +13,7 @@ from geom.mesh.corner_normals import corner_normals, face_vectors
 from schemas.arrays import AnyFloatArray, Float32Array, FloatArray, IntArray
 from schemas.model import Mesh, Model
 from schemas.parts import Part
-from usdio.write.mesh_materials import MeshMaterial, uv_primvar
+from usdio.write.materials.mesh_materials import MeshMaterial, uv_primvar
 
 PART_FAMILY = "manaPart"
 _MAX_ROLLS = 1000
