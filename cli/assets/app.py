@@ -57,6 +57,9 @@ def ingest_command(
     shell_thickness: Annotated[
         float | None, typer.Option("--shell-thickness", help="Wall thickness of open surfaces in millimetres.")
     ] = None,
+    max_texture: Annotated[
+        int | None, typer.Option("--max-texture", min=16, help="Pixels a side above which textures are made smaller.")
+    ] = None,
     annotator_url: Annotated[
         str | None,
         typer.Option(help="Base address of a model that is shown the pictures, e.g. https://api.openai.com/v1."),
@@ -115,6 +118,7 @@ def ingest_command(
         license=license_,
         author=author,
         shell_thickness_m=None if shell_thickness is None else shell_thickness / 1000.0,
+        max_texture=max_texture,
     )
     with shown_progress(quiet=as_json) as progress:
         report = ingest(
