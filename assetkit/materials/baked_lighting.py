@@ -37,7 +37,7 @@ class LightingPolicy:
     least_directions  of 54 directions of the surface, how many must be seen: boxes and other shapes of few faces cannot
                       tell light from paint.
     least_points      per place; least_places  per object.
-    suspected         share of the variance from which light is suspected.
+    suspected         share of the variance from which light is suspected, if places of `agreeing` of the points agree.
     """
 
     samples: int = 20_000
@@ -50,6 +50,7 @@ class LightingPolicy:
     least_places: int = 6
     folds: int = 5
     suspected: float = 0.3
+    agreeing: float = 0.75
 
 
 POLICY: Final = LightingPolicy()
@@ -84,8 +85,8 @@ def baked_lighting(model: Model, policy: LightingPolicy = POLICY) -> Evidence[fl
 
 
 def suspicion(evidence: Evidence[float] | None, policy: LightingPolicy = POLICY) -> tuple[Diagnostic, ...]:
-    """`asset/baked-lighting-suspected` from the policy's share on; nothing where the surface could not tell."""
-    if evidence is None or evidence.value < policy.suspected:
+    """`asset/baked-lighting-suspected` from the policy's shares on; nothing where the surface could not tell."""
+    if evidence is None or evidence.value < policy.suspected or evidence.confidence < policy.agreeing:
         return ()
     headline = f"{evidence.value:.0%} of the variation of the base colour follows the direction of the surface"
     return (finding("asset/baked-lighting-suspected", headline, value=evidence.value, bound=policy.suspected),)

@@ -13,7 +13,7 @@ from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.evidence import Evidence, default
 from schemas.model import Model
 from usdio.write.materials.mesh_materials import materials_per_mesh
-from usdio.write.materials.outputs import lost_by_shader
+from usdio.write.materials.outputs import FOR_RASTERISERS, lost_by_shader
 
 
 def material_records(model: Model) -> tuple[tuple[MaterialRecord, ...], tuple[Diagnostic, ...]]:
@@ -54,10 +54,10 @@ def _dropped(name: str, by_shader: dict[str, frozenset[str]]) -> list[Diagnostic
         headline = f"no shader of material '{name}' shows {', '.join(sorted(nowhere))}"
         where, value = Location(prim=name), ", ".join(sorted(nowhere))
         notes.append(finding("asset/material-extension-fallback", headline, where=where, value=value))
-    partly = {shader: sorted(fields - nowhere) for shader, fields in by_shader.items() if fields - nowhere}
+    stated = nowhere | FOR_RASTERISERS
+    partly = {shader: sorted(fields - stated) for shader, fields in by_shader.items() if fields - stated}
     if partly:
-        shown = [shader for shader in by_shader if shader not in partly] or list(by_shader)
-        headline = f"{' and '.join(partly)} show less of material '{name}' than {' and '.join(shown)}"
+        headline = f"material '{name}' is shown in part by {' and '.join(partly)}"
         value = "; ".join(f"{shader}: {', '.join(fields)}" for shader, fields in partly.items())
         notes.append(finding("asset/shader-lacks-layer", headline, where=Location(prim=name), value=value))
     return notes

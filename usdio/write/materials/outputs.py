@@ -29,7 +29,7 @@ OUTPUTS: Final[dict[Optics, tuple[ShaderOutput, ...]]] = {
     "coated": (PREVIEW_SURFACE, OPEN_PBR, OMNI_CLEAR_COAT),
 }
 # Ray-traced light makes its own occlusion; a map of it only serves renderers without, which read UsdPreviewSurface.
-_FOR_RASTERISERS: Final = frozenset({"occlusion_texture"})
+FOR_RASTERISERS: Final = frozenset({"occlusion_texture"})
 
 
 def outputs_of(mesh_material: MeshMaterial, images: Mapping[str, Texture]) -> tuple[ShaderOutput, ...]:
@@ -39,7 +39,7 @@ def outputs_of(mesh_material: MeshMaterial, images: Mapping[str, Texture]) -> tu
     dropped = portable.lost(seen, images)
 
     def worth_it(output: ShaderOutput) -> bool:
-        also_dropped = output.lost(seen, images) - _FOR_RASTERISERS
+        also_dropped = output.lost(seen, images) - FOR_RASTERISERS
         return also_dropped <= dropped or not dropped <= also_dropped
 
     return (portable, *(output for output in others if worth_it(output)))
