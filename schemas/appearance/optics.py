@@ -20,6 +20,7 @@ from schemas.appearance.material import (
 from schemas.appearance.record import Optics
 
 _NOT_OPTICAL = ("name", "origins", "unmapped")
+_LEAST_DISPERSION = 1e-3  # an Abbe number of 20000, hundreds of times that of any glass
 _LAYERS: dict[str, type] = {
     "specular": Specular,
     "volume": Volume,
@@ -44,7 +45,7 @@ def effective(material: Material) -> Material:
         material,
         transmission=material.transmission if clear else 0.0,
         transmission_texture=material.transmission_texture if clear else None,
-        dispersion=material.dispersion if clear else 0.0,
+        dispersion=material.dispersion if clear and material.dispersion >= _LEAST_DISPERSION else 0.0,
         volume=material.volume if clear else None,
         diffuse_transmission=diffuse if diffuse is not None and diffuse.factor > 0.0 else None,
         sheen=material.sheen if material.sheen is not None and max(material.sheen.color) > 0.0 else None,

@@ -24,6 +24,7 @@ from usdio.write.materials.network import Network, Types, set_input
 from usdio.write.materials.open_pbr import NITS_OF_WHITE
 from usdio.write.materials.output import VERTEX_COLORS, ShaderOutput
 
+_ROUNDING = 1e-6  # of numbers that files hold in single precision
 _REFLECTANCE_AT_ONE = 0.08  # OmniPBR: a specular level of 1 reflects 8 % at normal incidence, the usual 0.5 is 4 %
 _SHOWN: Final = frozenset(
     {
@@ -69,7 +70,7 @@ def weight_and_constant(factor: float, use: TextureUse) -> tuple[float, float] |
     if not 0.0 <= weight <= 1.0:
         return None
     constant = 0.0 if offset == 0.0 else offset / (1.0 - weight) if weight < 1.0 else -1.0
-    return (weight, constant) if 0.0 <= constant <= 1.0 else None
+    return (weight, min(constant, 1.0)) if 0.0 <= constant <= 1.0 + _ROUNDING else None
 
 
 def maps_of(material: Material, images: Mapping[str, Texture]) -> OmniMaps:
@@ -82,7 +83,7 @@ def maps_of(material: Material, images: Mapping[str, Texture]) -> OmniMaps:
     usable = {
         name: use
         for name, (factor, use) in scalars.items()
-        if use is not None and _repeats(use) and weight_and_constant(factor, use) is not None
+        if use is not None and _repeats(use) and _is_blend(name, factor, use)
     }
     channels = {"occlusion_texture": "r", "roughness_texture": "g", "metallic_texture": "b"}
     in_place = {name: use for name, use in usable.items() if use.channel == channels[name]}
@@ -202,8 +203,15 @@ def _in_packed(material: Material, packed: TextureUse) -> dict[str, TextureUse |
         and (use.texture, use.channel) == (packed.texture, channel)
         and _repeats(use)
         and placement_of((use, packed)) is not None
-        and weight_and_constant(factor, use) is not None
+        and _is_blend(name, factor, use)
     }
+
+
+def _is_blend(field: str, factor: float, use: TextureUse) -> bool:
+    """Whether a weight over a constant holds the factor and the texture; for occlusion the constant is 1, no shade."""
+    if field == "occlusion_texture":
+        return 0.0 <= use.scale <= 1.0 and abs(use.scale + use.bias - 1.0) <= _ROUNDING
+    return weight_and_constant(factor, use) is not None
 
 
 def _of_one_placement(maps: OmniMaps) -> OmniMaps:

@@ -150,7 +150,8 @@ class _Surface:
                 node = self._network.shader("tangent" if name == "in" else "normal", identifier)
                 set_input(node, "space", Types.String, "world")
                 turned.CreateInput(name, Types.Float3).ConnectToSource(node.CreateOutput("out", Types.Float3))
-            set_input(turned, "amount", Types.Float, math.degrees(material.anisotropy.rotation_rad))
+            # rotate3d turns clockwise about its axis, the rotation of glTF is counter-clockwise.
+            set_input(turned, "amount", Types.Float, -math.degrees(material.anisotropy.rotation_rad))
             tangent = self.shader.CreateInput("geometry_tangent", Types.Float3)
             tangent.ConnectToSource(turned.CreateOutput("out", Types.Float3))
 
