@@ -39,11 +39,18 @@ def _record(material: Material, shaders: Sequence[str]) -> MaterialRecord:
 
 def _evidence(material: Material, field: str, value: Any) -> Evidence[Any]:
     """The evidence of one value: its origin, or a default of confidence 0."""
-    plain = asdict(value) if isinstance(value, TextureUse) else value
+    plain = _plain(value)
     origin = material.origins.get(field)
     if origin is None:
         return default(plain, "no evidence: the default of the material model")
     return Evidence(value=plain, source=origin.source, method=origin.method, confidence=origin.confidence)
+
+
+def _plain(value: Any) -> Any:
+    """The value as JSON has it: texture uses by field, colours as lists."""
+    if isinstance(value, TextureUse):
+        return {field: _plain(of) for field, of in asdict(value).items()}
+    return [*value] if isinstance(value, tuple) else value
 
 
 def _dropped(name: str, by_shader: dict[str, frozenset[str]]) -> list[Diagnostic]:

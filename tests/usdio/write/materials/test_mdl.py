@@ -22,7 +22,7 @@ from usdio.write.materials.omni_glass import OMNI_GLASS
 from usdio.write.materials.omni_pbr import OMNI_PBR, weight_and_constant
 from usdio.write.materials.output import VERTEX_COLORS, ShaderOutput
 
-ORM = {
+ORM: dict[str, Any] = {
     "occlusion_texture": TextureUse("packed", "r", scale=0.8, bias=0.2),
     "roughness_texture": TextureUse("packed", "g"),
     "metallic_texture": TextureUse("packed", "b"),
@@ -106,7 +106,7 @@ def test_grey_pictures_are_read_as_they_are_and_coloured_ones_are_not() -> None:
 def test_all_textures_share_one_placement() -> None:
     base = TextureUse("clear", uv_set=1, uv_scale=(2.0, 3.0), uv_rotation_rad=0.5, uv_offset=(0.1, 0.2))
     elsewhere = TextureUse("packed")
-    fields = {"base_color_texture": base, "normal_texture": elsewhere}
+    fields: dict[str, Any] = {"base_color_texture": base, "normal_texture": elsewhere}
     got = values(OMNI_PBR, Material("m", **fields))
     assert (got["uv_space_index"], tuple(got["texture_scale"])) == (1, (2.0, 3.0))
     assert got["texture_rotate"] == pytest.approx(28.6479, abs=1e-3)
@@ -115,7 +115,13 @@ def test_all_textures_share_one_placement() -> None:
 
 
 def test_reflectance_light_and_cut_out() -> None:
-    fields = {"ior": 1.5, "emissive": (2.0, 1.0, 0.0), "alpha_mode": "mask", "alpha_cutoff": 0.3, "opacity": 0.9}
+    fields: dict[str, Any] = {
+        "ior": 1.5,
+        "emissive": (2.0, 1.0, 0.0),
+        "alpha_mode": "mask",
+        "alpha_cutoff": 0.3,
+        "opacity": 0.9,
+    }
     got = values(OMNI_PBR, Material("m", **fields))
     assert got["specular_level"] == pytest.approx(0.5)  # 4 %
     assert got["enable_emission"]
@@ -128,7 +134,7 @@ def test_reflectance_light_and_cut_out() -> None:
 
 def test_the_coat_is_written_and_its_maps_are_named_as_lost() -> None:
     normals = TextureUse("packed")
-    fields = {"clearcoat": 0.7, "clearcoat_roughness": 0.2, "clearcoat_normal_texture": normals}
+    fields: dict[str, Any] = {"clearcoat": 0.7, "clearcoat_roughness": 0.2, "clearcoat_normal_texture": normals}
     got = values(OMNI_CLEAR_COAT, Material("m", clearcoat_normal_scale=0.4, **fields))
     assert got["enable_clearcoat"]
     assert got["clearcoat_weight"] == pytest.approx(0.7)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from typing import Any
 
-import MaterialX
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -30,9 +30,9 @@ LINEAR = {
 
 @pytest.fixture(scope="module")
 def library() -> Any:
-    document = MaterialX.createDocument()
-    folders, path = MaterialX.getDefaultDataLibraryFolders(), MaterialX.getDefaultDataSearchPath()
-    MaterialX.loadLibraries(folders, path, document)
+    mx: Any = importlib.import_module("MaterialX")  # its bindings have no types
+    document = mx.createDocument()
+    mx.loadLibraries(mx.getDefaultDataLibraryFolders(), mx.getDefaultDataSearchPath(), document)
     return document
 
 

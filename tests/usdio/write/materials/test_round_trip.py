@@ -27,16 +27,7 @@ BOUND = f"""def Mesh "q" (prepend apiSchemas = ["MaterialBindingAPI"]) {{ {QUAD}
   texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] ( interpolation = "vertex" )
 }}
 """
-SCALARS = (
-    "metallic",
-    "roughness",
-    "normal_scale",
-    "opacity",
-    "ior",
-    "clearcoat",
-    "clearcoat_roughness",
-    "transmission",
-)
+COATED = ("metallic", "roughness", "normal_scale", "opacity", "ior", "clearcoat", "clearcoat_roughness")
 COLORS = ("base_color", "emissive")
 TEXTURES = ("base_color_texture", "emissive_texture", "metallic_texture", "roughness_texture", "normal_texture")
 
