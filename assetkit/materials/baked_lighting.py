@@ -28,14 +28,14 @@ METHOD: Final = (
 
 @dataclass(frozen=True)
 class LightingPolicy:
-    """Bounds of the test. Fixed on synthetic spheres and bottles with and without light, and checked on real assets.
+    """Bounds of the test. Fixed on balls painted with and without light (tests), then checked on real assets.
 
     samples           points per object; the share is then known to about a percent.
     places            cubes along the longest side of the object; a place is one of them.
     chroma_step       width of a class of chromaticity, in r / (r + g + b): above the noise of JPEG.
     darkest, brightest  linear brightness outside which texels are clipped or too coarse to compare.
-    least_directions  of 54 directions of the surface, how many must be seen: boxes and other shapes of few faces cannot
-                      tell light from paint.
+    least_directions  of 54 directions of the surface, how many must be seen: on boxes and other shapes of few faces
+                      light looks like paint.
     least_points      per place; least_places  per object.
     suspected         share of the variance from which light is suspected, if places of `agreeing` of the points agree.
     """
@@ -57,7 +57,7 @@ POLICY: Final = LightingPolicy()
 
 
 def baked_lighting(model: Model, policy: LightingPolicy = POLICY) -> Evidence[float] | None:
-    """The share (0..1) of the base colour's variation that light explains; None where the surface cannot tell.
+    """The share (0..1) of the base colour's variation that light explains; None where the surface cannot show it.
 
     The confidence is the share of places, by points, in which the prediction made without them has the right sign.
     """
@@ -85,7 +85,7 @@ def baked_lighting(model: Model, policy: LightingPolicy = POLICY) -> Evidence[fl
 
 
 def suspicion(evidence: Evidence[float] | None, policy: LightingPolicy = POLICY) -> tuple[Diagnostic, ...]:
-    """`asset/baked-lighting-suspected` from the policy's shares on; nothing where the surface could not tell."""
+    """`asset/baked-lighting-suspected` from the policy's shares on; nothing where the surface could not show it."""
     if evidence is None or evidence.value < policy.suspected or evidence.confidence < policy.agreeing:
         return ()
     headline = f"{evidence.value:.0%} of the variation of the base colour follows the direction of the surface"

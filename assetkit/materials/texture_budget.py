@@ -47,15 +47,15 @@ def within_budget(
         return tuple(textures), []
     meanings = _meanings(materials)
     changed: list[Resampled] = []
-    kept: list[Texture] = []
+    results: list[Texture] = []
     for texture in textures:
         if max(texture.width, texture.height) > most_pixels:
             meaning = meanings.get(texture.name, "data")
             changed.append(Resampled(texture, resampled(texture, meaning, most_pixels), meaning))
-            kept.append(changed[-1].new)
+            results.append(changed[-1].new)
         else:
-            kept.append(texture)
-    return tuple(kept), changed
+            results.append(texture)
+    return tuple(results), changed
 
 
 def resampled(texture: Texture, meaning: Meaning, most_pixels: int) -> Texture:

@@ -41,7 +41,7 @@ def effective(material: Material) -> Material:
     coated = material.clearcoat > 0.0
     diffuse = None if metal else material.diffuse_transmission
     default = Material(material.name)
-    kept = replace(
+    seen = replace(
         material,
         transmission=material.transmission if clear else 0.0,
         transmission_texture=material.transmission_texture if clear else None,
@@ -59,9 +59,9 @@ def effective(material: Material) -> Material:
         emissive_texture=material.emissive_texture if any(material.emissive) else None,
     )
     if coated:
-        return replace(kept, clearcoat_normal_scale=kept.clearcoat_normal_scale if kept.clearcoat_normal_texture else 1)
+        return replace(seen, clearcoat_normal_scale=seen.clearcoat_normal_scale if seen.clearcoat_normal_texture else 1)
     return replace(
-        kept,
+        seen,
         clearcoat=0.0,
         clearcoat_texture=None,
         clearcoat_roughness=0.0,

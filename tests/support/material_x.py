@@ -33,11 +33,11 @@ def placed(port: UsdShade.Input, uv: tuple[float, float]) -> tuple[str, np.ndarr
         turn = math.radians(node.GetInput("rotate").Get())
         c, s = math.cos(turn), math.sin(turn)
         return name, np.array([c * x + s * y, -s * x + c * y]) - np.array(node.GetInput("offset").Get())
-    ports = [node.GetInput("texcoord")] if node.GetInput("file") else [p for p in node.GetInputs() if _fed(p)]
+    ports = [node.GetInput("texcoord")] if node.GetInput("file") else [p for p in node.GetInputs() if _connected(p)]
     return placed(ports[0], uv)
 
 
-def _fed(port: UsdShade.Input) -> bool:
+def _connected(port: UsdShade.Input) -> bool:
     return bool(port.GetConnectedSources()[0])
 
 

@@ -65,46 +65,46 @@ def rgb(factor: tuple[float, float, float], use: TextureUse | None) -> np.ndarra
 @given(materials())
 def test_every_value_of_the_material_is_in_the_network(material: Material) -> None:
     got, m = inputs_of(material), effective(material)
-    wanted: dict[str, Any] = {
+    expected: dict[str, Any] = {
         "base_color": rgb(m.base_color, m.base_color_texture),
         "base_metalness": number(m.metallic, m.metallic_texture),
         "specular_roughness": number(m.roughness, m.roughness_texture),
         "specular_ior": m.ior,
     }
     if m.specular:
-        wanted["specular_weight"] = number(m.specular.weight, m.specular.weight_texture)
-        wanted["specular_color"] = rgb(m.specular.color, m.specular.color_texture)
+        expected["specular_weight"] = number(m.specular.weight, m.specular.weight_texture)
+        expected["specular_color"] = rgb(m.specular.color, m.specular.color_texture)
     if m.alpha_mode == "blend":
-        wanted["geometry_opacity"] = number(m.opacity, m.opacity_texture)
+        expected["geometry_opacity"] = number(m.opacity, m.opacity_texture)
     if m.alpha_mode == "mask" and abs(number(m.opacity, m.opacity_texture) - m.alpha_cutoff) > 1e-6:
-        wanted["geometry_opacity"] = float(number(m.opacity, m.opacity_texture) > m.alpha_cutoff)
+        expected["geometry_opacity"] = float(number(m.opacity, m.opacity_texture) > m.alpha_cutoff)
     if m.transmission:
-        wanted["transmission_weight"] = number(m.transmission, m.transmission_texture)
-        wanted["geometry_thin_walled"] = m.volume is None or m.volume.thickness == 0.0
+        expected["transmission_weight"] = number(m.transmission, m.transmission_texture)
+        expected["geometry_thin_walled"] = m.volume is None or m.volume.thickness == 0.0
         if m.volume and m.volume.thickness and math.isfinite(m.volume.attenuation_distance):
-            wanted["transmission_color"] = np.array(m.volume.attenuation_color)
-            wanted["transmission_depth"] = m.volume.attenuation_distance
+            expected["transmission_color"] = np.array(m.volume.attenuation_color)
+            expected["transmission_depth"] = m.volume.attenuation_distance
         else:
-            wanted["transmission_color"] = rgb(m.base_color, m.base_color_texture)
-            wanted["transmission_depth"] = 0.0
+            expected["transmission_color"] = rgb(m.base_color, m.base_color_texture)
+            expected["transmission_depth"] = 0.0
     if m.dispersion:
-        wanted["transmission_dispersion_abbe_number"] = 20.0 / m.dispersion
+        expected["transmission_dispersion_abbe_number"] = 20.0 / m.dispersion
     if m.clearcoat:
-        wanted["coat_weight"] = number(m.clearcoat, m.clearcoat_texture)
-        wanted["coat_roughness"] = number(m.clearcoat_roughness, m.clearcoat_roughness_texture)
-        wanted["coat_ior"] = 1.5
+        expected["coat_weight"] = number(m.clearcoat, m.clearcoat_texture)
+        expected["coat_roughness"] = number(m.clearcoat_roughness, m.clearcoat_roughness_texture)
+        expected["coat_ior"] = 1.5
     if m.sheen:
-        wanted["fuzz_roughness"] = number(m.sheen.roughness, m.sheen.roughness_texture)
+        expected["fuzz_roughness"] = number(m.sheen.roughness, m.sheen.roughness_texture)
     if m.iridescence:
-        wanted["thin_film_weight"] = number(m.iridescence.factor, m.iridescence.texture)
-        wanted["thin_film_ior"] = m.iridescence.ior
+        expected["thin_film_weight"] = number(m.iridescence.factor, m.iridescence.texture)
+        expected["thin_film_ior"] = m.iridescence.ior
     if m.anisotropy:
-        wanted["specular_roughness_anisotropy"] = m.anisotropy.strength
+        expected["specular_roughness_anisotropy"] = m.anisotropy.strength
     if m.diffuse_transmission:
-        wanted["subsurface_weight"] = number(m.diffuse_transmission.factor, m.diffuse_transmission.texture)
-        wanted["subsurface_color"] = rgb(m.diffuse_transmission.color, m.diffuse_transmission.color_texture)
-        wanted["geometry_thin_walled"] = True
-    for name, value in wanted.items():
+        expected["subsurface_weight"] = number(m.diffuse_transmission.factor, m.diffuse_transmission.texture)
+        expected["subsurface_color"] = rgb(m.diffuse_transmission.color, m.diffuse_transmission.color_texture)
+        expected["geometry_thin_walled"] = True
+    for name, value in expected.items():
         assert got[name] == pytest.approx(value, rel=1e-5, abs=1e-6), name
     if max(m.emissive) > 0.0:
         light = got["emission_luminance"] * got["emission_color"]
