@@ -17,7 +17,7 @@ from jobs.cache import Cache
 from schemas.acceptance import AcceptanceSection
 from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
-from schemas.appearance.material import Material
+from schemas.appearance.material import Material, Texture
 from schemas.appearance.record import AppearanceSection
 from schemas.arrays import FloatArray
 from schemas.articulation import JointUse, SweptVolume
@@ -115,9 +115,10 @@ class Canonical:
 
 @dataclass(frozen=True)
 class Appearance:
-    """Materials ready to be written; meshes refer to them by index as before."""
+    """Materials and textures ready to be written; meshes refer to materials by index, and those to textures by name."""
 
     materials: tuple[Material, ...]
+    textures: tuple[Texture, ...]
     section: AppearanceSection
 
 
@@ -263,7 +264,7 @@ class Draft:
         return Model(
             meshes=self.canonicalize.meshes if self.canonicalize else source.meshes,
             materials=self.appearance.materials if self.appearance else source.materials,
-            textures=source.textures,
+            textures=self.appearance.textures if self.appearance else source.textures,
             nodes=source.nodes,
             meters_per_unit=source.meters_per_unit,
             up_axis=source.up_axis,

@@ -13,11 +13,14 @@ from typing import Any, NamedTuple
 
 from pxr import UsdValidation
 
+from gate.subject.shading import is_material_x, is_mdl, shader_id
 from schemas.diagnostics import InvalidInput
 from usdio.quiet import quiet
 from usdio.stage import open_stage
 
 SIMREADY, USD_VALIDATION = "simready", "usd-validation"
+_SDR = "usdShadeValidators:ShaderSdrCompliance"
+_UNREGISTERED = (f"{_SDR}.MissingShaderIdInRegistry", f"{_SDR}.MissingSourceTypeInRegistry")
 SIMREADY_PROFILE, SIMREADY_VERSION = "Robotics-Prop", "4.0.0"
 
 
@@ -94,12 +97,17 @@ def _simready_result(main_file: Path) -> tuple[Any, dict[str, str]]:
 
 
 def usd_validation(main_file: Path) -> ValidatorVerdict:
-    """Every validator of `pxr.UsdValidation` but the USDZ ones, in sorted order (the registry's own order varies)."""
+    """Every validator of `pxr.UsdValidation` but the USDZ ones, in sorted order (the registry's own order varies).
+
+    The usd-core wheel has no registry of MaterialX nodes and MDL materials, so that it calls each of them missing; our
+    gate (shader-node) looks them up instead.
+    """
     with quiet():
         stage = open_stage(main_file)
         validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
         chosen = [v for v in validators if "UsdzValidators" not in v.GetMetadata().GetKeywords()]
         errors = [error for error in UsdValidation.ValidationContext(chosen).Validate(stage) if not error.HasNoError()]
+    errors = [error for error in errors if not _lacks_registry(error)]
     failures, warnings = set(), set()
     for error in errors:
         failed = error.GetType() == UsdValidation.ValidationErrorType.Error
@@ -108,6 +116,14 @@ def usd_validation(main_file: Path) -> ValidatorVerdict:
         message = error.GetMessage().replace(f"{main_file.parent}/", "")
         (failures if failed else warnings).add(ValidatorIssue(error.GetIdentifier(), message, *paths[:1]))
     return ValidatorVerdict(USD_VALIDATION, not failures, tuple(sorted(failures)), tuple(sorted(warnings)))
+
+
+def _lacks_registry(error: Any) -> bool:
+    """Whether an error only says that a shader is of a kind for which this OpenUSD has no registry."""
+    if error.GetIdentifier() not in _UNREGISTERED:
+        return False
+    prims = [site.GetPrim() or site.GetProperty().GetPrim() for site in error.GetSites()]
+    return all(is_material_x(shader_id(prim)) or is_mdl(prim) for prim in prims)
 
 
 @cache

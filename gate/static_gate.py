@@ -83,10 +83,12 @@ from gate.rules.visual import (
     not_visible,
     open_mesh,
     shader_network,
+    shader_node,
     shader_value,
     texture_coordinates,
     texture_image,
     texture_reader,
+    texture_space,
 )
 from gate.subject import Subject
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
@@ -162,8 +164,10 @@ RULES: tuple[Rule, ...] = (
     open_mesh.RULE,
     material_binding.RULE,
     shader_network.RULE,
+    shader_node.RULE,
     shader_value.RULE,
     texture_reader.RULE,
+    texture_space.RULE,
     texture_coordinates.RULE,
     texture_image.RULE,
     nonfinite_value.RULE,

@@ -53,10 +53,9 @@ def first_model(path: Path) -> Model:
     canonical = canonicalize(item, file.name, options)
     if canonical.value is None:
         raise InvalidInput(canonical.diagnostics[-1])
-    appearance = normalize(item.model).value
-    materials = appearance.materials if appearance else ()
-    mechanism = canonical.value.mechanism
-    return replace(item.model, meshes=canonical.value.meshes, materials=materials, mechanism=mechanism)
+    model = replace(item.model, meshes=canonical.value.meshes, mechanism=canonical.value.mechanism)
+    appearance = normalize(model, canonical.value.meters_per_unit).value
+    return replace(model, materials=appearance.materials if appearance else ())
 
 
 def main_file(path: Path) -> Path:

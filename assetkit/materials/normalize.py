@@ -1,97 +1,143 @@
-"""Render materials clamped to the ranges that UsdPreviewSurface allows, and the appearance section of the record.
+"""Render materials and textures as they are released, checked, and the appearance section of the record.
 
 Every changed value is reported with its old and new value; uses of textures that the model lacks are dropped.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import fields, replace
+from dataclasses import replace
 
+from assetkit.materials.baked_lighting import baked_lighting, suspicion
+from assetkit.materials.material_records import material_records
+from assetkit.materials.ranges import Change, limited
 from assetkit.materials.surface_colours import surface_colours
+from assetkit.materials.texel_density import texel_density
+from assetkit.materials.texture_budget import Resampled, within_budget
+from assetkit.materials.texture_coordinates import check_coordinates
 from assetkit.stage import Appearance
-from schemas.appearance.material import Material, TextureUse
+from schemas.appearance.material import Material, Origin, Texture
 from schemas.appearance.record import AppearanceSection
 from schemas.diagnostics import Diagnostic, Location, finding
+from schemas.evidence import Evidence
 from schemas.model import Model
 from schemas.outcome import Outcome, Repair
 
 STAGE = "appearance"
-_UNIT_RANGE = ("metallic", "roughness", "opacity", "alpha_cutoff", "clearcoat", "clearcoat_roughness", "transmission")
-
-_COLORS = ("base_color", "emissive")
+_LENGTHS = ("volume.thickness", "volume.attenuation_distance")
 
 
-def normalize(model: Model) -> Outcome[Appearance]:
-    """The materials of `model` within their ranges, without uses of textures that are not there."""
-    known = {t.name for t in model.textures}
+def normalize(
+    model: Model, meters_per_unit: Evidence[float] | None = None, max_texture: int | None = None
+) -> Outcome[Appearance]:
+    """The materials of `model` within their ranges, lengths in metres, and its textures within the budget.
+
+    The points of `model` are in metres already; `meters_per_unit` is the unit of the lengths that materials state
+    (None: metres), `max_texture` the most pixels a side of a texture (None: as they are).
+    """
+    known = {texture.name for texture in model.textures}
     diagnostics: list[Diagnostic] = []
     repairs: list[Repair] = []
-    materials = []
+    materials: list[Material] = []
     for material in model.materials:
-        clean, changed = _within_range(material)
-        if changed:
-            diagnostics += [_out_of_range(material, *change) for change in changed]
-            repairs.append(
-                Repair(
-                    name="invalid_material_value",
-                    code="asset/invalid-material-value",
-                    stage=STAGE,
-                    before={name: str(old) for name, old, _ in changed},
-                    after={name: str(new) for name, _, new in changed},
-                )
-            )
-        materials.append(_with_known_textures(clean, known))
-    used = sorted({use.texture for m in materials for use in m.texture_uses.values()})
-    section = AppearanceSection(
-        materials=tuple(m.name for m in materials),
-        textures=tuple(used),
-        colours=surface_colours(replace(model, materials=tuple(materials))),
-        unmapped={m.name: m.unmapped for m in materials if m.unmapped},
+        clean, changes = limited(material)
+        if changes:
+            diagnostics += [_out_of_range(material, change) for change in changes]
+            repairs.append(_clamped(changes))
+        materials.append(in_metres(with_known_textures(clean, known), meters_per_unit))
+    textures, reduced = within_budget(model.textures, materials, max_texture)
+    diagnostics += [_smaller(change, max_texture) for change in reduced]
+    repairs += [_resampling(change) for change in reduced]
+    released = replace(model, materials=tuple(materials), textures=textures)
+    section, notes = _section(released)
+    return Outcome(Appearance(released.materials, textures, section), (*diagnostics, *notes), tuple(repairs))
+
+
+def with_known_textures(material: Material, known: set[str]) -> Material:
+    """The material without uses of textures that could not be loaded; their loss was reported when reading."""
+    for field, use in material.texture_uses.items():
+        if use.texture not in known:
+            material = _with(material, field, None)
+    return material
+
+
+def in_metres(material: Material, meters_per_unit: Evidence[float] | None) -> Material:
+    """The material with the lengths of its volume in metres; their origins say so."""
+    if material.volume is None or meters_per_unit is None or meters_per_unit.value == 1.0:
+        return material
+    scale = meters_per_unit.value
+    origins = dict(material.origins)
+    for field in _LENGTHS:
+        if field in origins:
+            stated = origins[field]
+            method = f"{stated.method}, times {scale:g} m per unit"
+            origins[field] = Origin(stated.source, method, min(stated.confidence, meters_per_unit.confidence))
+    volume = replace(
+        material.volume,
+        thickness=material.volume.thickness * scale,
+        attenuation_distance=material.volume.attenuation_distance * scale,
     )
-    return Outcome(Appearance(tuple(materials), section), tuple(diagnostics), tuple(repairs))
+    return replace(material, volume=volume, origins=origins)
 
 
-def _within_range(material: Material) -> tuple[Material, list[tuple[str, object, object]]]:
-    """The material with scalars and colours clamped to 0..1, and `(field, old, new)` for each change.
-
-    Emissive colours may exceed 1 (emissive strength); they only need to be finite and not negative.
-    """
-    changes: list[tuple[str, object, object]] = []
-    for name in _UNIT_RANGE:
-        old = getattr(material, name)
-        new = _clamp(old, 1.0)
-        if new != old:
-            changes.append((name, old, new))
-    for name in _COLORS:
-        old = getattr(material, name)
-        new = tuple(_clamp(c, math.inf if name == "emissive" else 1.0) for c in old)
-        if new != old:
-            changes.append((name, old, new))
-    if not (math.isfinite(material.ior) and material.ior >= 1.0):
-        changes.append(("ior", material.ior, 1.5))
-    return replace(material, **{name: new for name, _, new in changes}), changes
+def _section(model: Model) -> tuple[AppearanceSection, tuple[Diagnostic, ...]]:
+    """The section on the materials and textures that are released, and what was found on them."""
+    records, dropped = material_records(model)
+    lighting = baked_lighting(model)
+    section = AppearanceSection(
+        materials=tuple(material.name for material in model.materials),
+        textures=tuple(sorted({use.texture for m in model.materials for use in m.texture_uses.values()})),
+        colours=surface_colours(model),
+        unmapped={material.name: material.unmapped for material in model.materials if material.unmapped},
+        render_materials=records,
+        texels_per_m=texel_density(model),
+        baked_lighting=lighting,
+    )
+    return section, (*dropped, *check_coordinates(model), *suspicion(lighting))
 
 
-def _clamp(value: float, high: float) -> float:
-    return min(max(value, 0.0), high) if math.isfinite(value) else 0.0
+def _with(material: Material, field: str, value: object) -> Material:
+    """The material with one field, of layers as "sheen.color", replaced."""
+    layer, _, name = field.rpartition(".")
+    if not layer:
+        return replace(material, **{name: value})
+    return replace(material, **{layer: replace(getattr(material, layer), **{name: value})})
 
 
-def _out_of_range(material: Material, name: str, old: object, new: object) -> Diagnostic:
+def _out_of_range(material: Material, change: Change) -> Diagnostic:
     return finding(
         "asset/invalid-material-value",
-        f"{name} of material '{material.name}' is {old}, used as {new}",
+        f"{change.field} of material '{material.name}' is {change.old}, used as {change.new}",
         where=Location(prim=material.name),
-        value=str(old),
-        bound="0..1",
+        value=str(change.old),
+        bound=change.bound,
     )
 
 
-def _with_known_textures(material: Material, known: set[str]) -> Material:
-    """The material without uses of textures that could not be loaded; their loss was reported when reading."""
-    lost = {
-        f.name: None
-        for f in fields(material)
-        if isinstance(v := getattr(material, f.name), TextureUse) and v.texture not in known
-    }
-    return replace(material, **lost)
+def _clamped(changes: list[Change]) -> Repair:
+    return Repair(
+        name="invalid_material_value",
+        code="asset/invalid-material-value",
+        stage=STAGE,
+        before={change.field: str(change.old) for change in changes},
+        after={change.field: str(change.new) for change in changes},
+    )
+
+
+def _smaller(change: Resampled, most: int | None) -> Diagnostic:
+    headline = f"texture '{change.old.name}' is {_size(change.old)}, released as {_size(change.new)}"
+    value = max(change.old.width, change.old.height)
+    return finding("asset/texture-resampled", headline, value=value, bound=most, unit="px")
+
+
+def _resampling(change: Resampled) -> Repair:
+    return Repair(
+        name="resample_texture",
+        code="asset/texture-resampled",
+        stage=STAGE,
+        before={"texture": change.old.name, "size": _size(change.old), "bytes": len(change.old.data)},
+        after={"size": _size(change.new), "bytes": len(change.new.data), "filter": f"Lanczos, as {change.meaning}"},
+    )
+
+
+def _size(texture: Texture) -> str:
+    return f"{texture.width} x {texture.height} px"

@@ -19,7 +19,7 @@ from schemas.mechanism import Mechanism, MechanismJoint
 from schemas.package import PackageContent
 from schemas.robot_description import DescribedJoint, DescribedShape, JointLimits, Mimic, RobotDescription
 from usdio.reread.body import RereadPackage
-from usdio.write.mesh_materials import materials_per_mesh
+from usdio.write.materials.mesh_materials import materials_per_mesh
 
 VISUAL_GROUP, COLLISION_GROUP = 2, 3  # of MuJoCo geoms: its viewer shows groups 0 to 2
 # REP 103 and urdfdom ask for an effort and a speed of every limited joint; these are beyond any household mechanism.

@@ -25,7 +25,7 @@ from schemas.robot_description import (
     RobotDescription,
     ShapeFriction,
 )
-from usdio.write.mesh_materials import MeshMaterial, materials_per_mesh
+from usdio.write.materials.mesh_materials import MeshMaterial, materials_per_mesh
 
 
 def write_urdf(body: RigidBody, content: PackageContent, folder: Path, shape_contacts: Sequence[Contact] = ()) -> Path:

@@ -1,4 +1,4 @@
-"""Stage 3, appearance: materials clamped to the ranges of UsdPreviewSurface; every change is reported."""
+"""Stage 3, appearance: materials within their ranges, textures within their budget; every change is reported."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from schemas.outcome import Outcome
 
 
 class NormalizeAppearance(Stage):
-    """Checks every material value against its range and every texture use against the textures that exist."""
+    """Checks every material value against its range, and textures and their coordinates against the uses of them."""
 
     name = "appearance"
-    version = 3
+    version = 4
     result = Appearance
     reads = (Canonical,)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Appearance]:
-        """Clean materials, and a record of what has no counterpart in UsdPreviewSurface."""
-        return normalize(draft.model)
+        """Materials and textures as released, and a record of their values with the evidence."""
+        return normalize(draft.model, draft[Canonical].meters_per_unit, tools.options.max_texture)

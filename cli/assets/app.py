@@ -63,6 +63,9 @@ def ingest_command(
     shell_thickness: Annotated[
         float | None, typer.Option("--shell-thickness", help="Wall thickness of open surfaces in millimetres.")
     ] = None,
+    max_texture: Annotated[
+        int | None, typer.Option("--max-texture", min=16, help="Pixels a side above which textures are made smaller.")
+    ] = None,
     annotator_url: Annotated[
         str | None,
         typer.Option(help="Base address of a model that is shown the pictures, e.g. https://api.openai.com/v1."),
@@ -124,6 +127,7 @@ def ingest_command(
         license=license_,
         author=author,
         shell_thickness_m=None if shell_thickness is None else shell_thickness / 1000.0,
+        max_texture=max_texture,
     )
     with shown_progress(quiet=as_json) as progress:
         report = ingest(
@@ -304,13 +308,26 @@ def _rows(rows: list[dict[str, object]], as_json: bool) -> None:
 def _evidence_rows(record: dict) -> list[dict[str, object]]:
     """The headline values of a record, one row each."""
     rows: list[dict[str, object]] = []
-    for section in ("geometry", "semantics", "physics", "source"):
-        for key, value in record[section].items():
+    for section in ("geometry", "appearance", "semantics", "physics", "source"):
+        for key, value in record.get(section, {}).items():
             if isinstance(value, dict) and "confidence" in value:
                 sure = f"{100 * value['confidence']:.0f} %"
                 source = f"{value['source']}: {value['method']}"
                 rows.append({"what": key, "value": _short(value["value"]), "source": source, "sure": sure})
-    return rows + [_joint_row(use) for use in record.get("joint_uses", ())]
+    looks = [_material_row(material) for material in record.get("appearance", {}).get("render_materials", ())]
+    return rows + looks + [_joint_row(use) for use in record.get("joint_uses", ())]
+
+
+def _material_row(material: dict) -> dict[str, object]:
+    """The optics of a render material, its shaders, and the share of its values that the source states."""
+    values = material["values"].values()
+    stated = sum(value["source"] == "declared" for value in values)
+    return {
+        "what": f"material {material['name']}",
+        "value": f"{material['optics']}: {', '.join(material['shaders']) or 'not used'}",
+        "source": f"{stated} of {len(values)} values are declared",
+        "sure": "",
+    }
 
 
 def _joint_row(use: dict) -> dict[str, object]:

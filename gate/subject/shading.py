@@ -16,6 +16,16 @@ def shader_id(prim: Any) -> str:
     return text(prim, "info:id") or text(prim, "info:mdl:sourceAsset:subIdentifier")
 
 
+def is_material_x(identifier: str) -> bool:
+    """Whether a shader id is that of a MaterialX node definition."""
+    return identifier.startswith("ND_")
+
+
+def is_mdl(prim: Any) -> bool:
+    """Whether a shader's implementation is a material of an MDL module."""
+    return text(prim, "info:implementationSource") == "sourceAsset" and prim.HasAttribute("info:mdl:sourceAsset")
+
+
 def constant_value(shader_input: Any) -> FloatArray | None:
     """(k,) the number or colour an input has, also through the material's interface; None when a shader feeds it."""
     attributes = UsdShade.Utils.GetValueProducingAttributes(shader_input)

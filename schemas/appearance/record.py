@@ -29,10 +29,12 @@ class MaterialRecord(_Section):
 
 
 class AppearanceSection(_Section):
-    """Render materials as authored, and features of the source that UsdPreviewSurface cannot express.
+    """Render materials as released, and features of the source that no shader of the package expresses.
 
-    `colours` are basic colour terms with their share of the visible surface, by the base colours that materials,
-    textures and vertices state; empty when nothing states one.
+    `texels_per_m` is the density of base-colour texels on the surface, as a median over the textured area; None without
+    textures. `baked_lighting` is the share (0..1) of the variation of the base colour's brightness that light from one
+    side explains, where it could be measured. `colours` are basic colour terms with their share of the visible surface,
+    by the base colours that materials, textures and vertices state; empty when nothing states one.
     """
 
     materials: tuple[str, ...]
@@ -40,3 +42,5 @@ class AppearanceSection(_Section):
     textures: tuple[str, ...]
     unmapped: dict[str, dict[str, Any]] = {}
     render_materials: tuple[MaterialRecord, ...] = ()
+    texels_per_m: Evidence[float] | None = None
+    baked_lighting: Evidence[float] | None = None

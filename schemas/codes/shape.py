@@ -147,9 +147,45 @@ SHAPE_CODES: dict[str, CodeInfo] = {
     ),
     "asset/material-extension-fallback": CodeInfo(
         "info",
-        "A material feature has no counterpart in UsdPreviewSurface",
+        "A material feature has no counterpart in any shader of the package",
         "The look may differ; the source values are kept in the record.",
-        "nothing; see `appearance.unmapped` in the record",
+        "nothing; see `appearance` in the record",
+    ),
+    "asset/shader-lacks-layer": CodeInfo(
+        "info",
+        "One of the shaders of a material cannot show all of it",
+        "A renderer that reads this shader shows a simpler surface than one that reads the others.",
+        "nothing, or render with OpenPBR; see `appearance.render_materials` in the record",
+    ),
+    "asset/missing-texture-coordinates": CodeInfo(
+        "warning",
+        "A textured mesh has no texture coordinates for its picture",
+        "The surface takes one colour of the picture instead of the picture.",
+        "unwrap the mesh, or remove the texture from its material",
+    ),
+    "asset/collapsed-texture-coordinates": CodeInfo(
+        "warning",
+        "The texture coordinates of a textured mesh lie in one point",
+        "The surface takes one colour of the picture instead of the picture.",
+        "unwrap the mesh again",
+    ),
+    "asset/nonfinite-texture-coordinates": CodeInfo(
+        "warning",
+        "Texture coordinates are NaN or infinite",
+        "Renderers show noise or black there.",
+        "nothing; they were replaced by zero",
+    ),
+    "asset/texture-resampled": CodeInfo(
+        "info",
+        "A texture was made smaller to keep to the budget",
+        "The package takes less memory; fine detail is lost.",
+        "raise --max-texture to keep more of it",
+    ),
+    "asset/baked-lighting-suspected": CodeInfo(
+        "info",
+        "The base colour seems to hold light and shadow",
+        "A scene lights the object a second time: it looks dark below whatever the lamps do.",
+        "use a source without baked light, or remove the light from the texture",
     ),
     "asset/name-sanitised": CodeInfo(
         "info",

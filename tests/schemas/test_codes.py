@@ -45,9 +45,9 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
         tools = Tools(FakeSimulator(), file.parent, options)
         canonical = Canonicalize().run(draft, tools)
         diagnostics += canonical.diagnostics
-        diagnostics += NormalizeAppearance().run(draft, tools).diagnostics
         if canonical.value is not None:
             draft = replace(draft, canonicalize=canonical.value)
+            diagnostics += NormalizeAppearance().run(draft, tools).diagnostics
             described = DescribeObject().run(draft, tools)
             diagnostics += described.diagnostics
             diagnostics += ProposeParts().run(replace(draft, semantics=described.value), tools).diagnostics
@@ -173,7 +173,7 @@ def test_codes_without_a_file_are_named_in_their_test(code: str, test: str):
 
 @pytest.mark.parametrize("code", sorted(SAMPLES))
 def test_sample_triggers_its_code_with_place_and_help(code: str, tmp_path: Path):
-    options = Options(max_triangles=1000)
+    options = Options(max_triangles=1000, max_texture=16)
     found = [d for d in findings(SAMPLES[code](tmp_path), options) if d.code == code]
     assert found, f"{code} was not reported"
     assert found[0].headline

@@ -22,7 +22,7 @@ from schemas.physics import CollisionShape, Contact, MassProperties
 from tests.support import package_samples as samples
 from usdio.quiet import quiet
 from usdio.reread.body import reread_body
-from usdio.write.materials import label_material
+from usdio.write.materials.author import label_material
 from usdio.write.meshes import author_normals, define_mesh
 from usdio.write.package import write_package
 from usdio.write.physics import author_body, author_colliders, author_contact_material

@@ -15,7 +15,16 @@ EARLIEST: Final = Usd.TimeCode.EarliestTime()
 MAX_SHADER_DEPTH: Final = 32
 _FILE_INPUTS: Final = ("file", "filename", "texture")
 _PASS_THROUGH_INPUTS: Final = ("in", "in1", "input", "fg", "default")
-_CHANNELS: Final[dict[str, Channel]] = {"r": "r", "g": "g", "b": "b", "a": "a", "outr": "r", "outg": "g", "outb": "b"}
+_CHANNELS: Final[dict[str, Channel]] = {
+    "r": "r",
+    "g": "g",
+    "b": "b",
+    "a": "a",
+    "outr": "r",
+    "outg": "g",
+    "outb": "b",
+    "outa": "a",
+}
 _WRAPS: Final = {"clamp": "clamp", "mirror": "mirror", "black": "black", "constant": "black"}
 
 
@@ -136,7 +145,32 @@ def _node_source(shader: UsdShade.Shader, output: str, depth: int) -> InputSourc
     if file is not None:
         image = _input_source(file, depth + 1)
         return _image_source(shader, image.file, kind, output) if isinstance(image, ImageSource) else _fallback(shader)
-    return _first_image_upstream(shader, output, depth)
+    return _arithmetic(shader, kind, depth) or _first_image_upstream(shader, output, depth)
+
+
+def _arithmetic(shader: UsdShade.Shader, kind: str, depth: int) -> ImageSource | None:
+    """The image that a MaterialX node multiplies by a constant, adds one to, or unpacks as normals; else None."""
+    if kind.startswith("ND_normalmap"):
+        image, strength = _input_source(shader.GetInput("in"), depth + 1), input_source(shader.GetInput("scale"))
+        if isinstance(image, ImageSource) and not any(image.bias) and isinstance(strength, float):
+            # As a UsdUVTexture that unpacks 0..1 to -1..1 does: scale 2, bias -1, times the strength in x and y.
+            s = strength
+            return replace(image, scale=(2.0 * s, 2.0 * s, 2.0, 1.0), bias=(-s, -s, -1.0, 0.0))
+        return None
+    operation = next((word for word in ("multiply", "add") if kind.startswith(f"ND_{word}_")), None)
+    if operation is None:
+        return None
+    first, second = (_input_source(shader.GetInput(name), depth + 1) for name in ("in1", "in2"))
+    image, constant = (first, second) if isinstance(first, ImageSource) else (second, first)
+    if not isinstance(image, ImageSource) or not isinstance(constant, float | tuple):
+        return None
+    by = (constant,) * 4 if isinstance(constant, float) else (*constant, 1.0 if operation == "multiply" else 0.0)[:4]
+    if len(by) < 4:
+        return None
+    if operation == "add":
+        return replace(image, bias=tuple(bias + part for bias, part in zip(image.bias, by, strict=True)))
+    scale = tuple(scale * part for scale, part in zip(image.scale, by, strict=True))
+    return replace(image, scale=scale, bias=tuple(bias * part for bias, part in zip(image.bias, by, strict=True)))
 
 
 def _first_image_upstream(shader: UsdShade.Shader, output: str, depth: int) -> InputSource:
@@ -193,8 +227,20 @@ def _texture_coordinates(port: UsdShade.Input) -> dict[str, Any]:
             fields["uv_scale"] = scale if isinstance(scale, tuple) else (1.0, 1.0)
             fields["uv_offset"] = offset if isinstance(offset, tuple) else (0.0, 0.0)
             fields["uv_rotation_rad"] = math.radians(angle) if isinstance(angle, float) else 0.0
+        if kind.startswith("ND_place2d") and not fields:
+            fields |= _place2d(shader)
         port = shader.GetInput("in") or shader.GetInput("texcoord")
     return fields
+
+
+def _place2d(shader: UsdShade.Shader) -> dict[str, Any]:
+    """The transform of a MaterialX place2d node, which divides, turns clockwise and subtracts, as image fields."""
+    scale, offset = input_source(shader.GetInput("scale")), input_source(shader.GetInput("offset"))
+    angle = input_source(shader.GetInput("rotate"))
+    sx, sy = scale if isinstance(scale, tuple) and len(scale) == 2 and all(scale) else (1.0, 1.0)
+    ox, oy = offset if isinstance(offset, tuple) and len(offset) == 2 else (0.0, 0.0)
+    turn = -math.radians(angle) if isinstance(angle, float) else 0.0
+    return {"uv_scale": (1.0 / sx, 1.0 / sy), "uv_offset": (-ox, -oy), "uv_rotation_rad": turn}
 
 
 def _fallback(shader: UsdShade.Shader) -> tuple[float, ...] | None:

@@ -13,7 +13,7 @@ from geom.mesh.corner_normals import corner_normals, face_vectors
 from schemas.arrays import AnyFloatArray, Float32Array, FloatArray, IntArray
 from schemas.model import Mesh, Model
 from schemas.parts import Part
-from usdio.write.mesh_materials import MeshMaterial, uv_primvar
+from usdio.write.materials.mesh_materials import MeshMaterial, uv_primvar
 
 PART_FAMILY = "manaPart"
 _MAX_ROLLS = 1000
@@ -92,7 +92,8 @@ def _author_mesh(
         primvar = primvars.CreatePrimvar(
             uv_primvar(uv_set), Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
         )
-        primvar.Set(Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(uvs, dtype=np.float32).reshape(-1, 2)))
+        placed = np.nan_to_num(uvs, nan=0.0, posinf=0.0, neginf=0.0)
+        primvar.Set(Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(placed, dtype=np.float32).reshape(-1, 2)))
     _author_colors(prim, mesh, mesh_material)
     prim.CreateDoubleSidedAttr(mesh_material.material.double_sided)
     prim.GetPrim().SetCustomDataByKey("mana:sourceName", mesh.name)

@@ -15,8 +15,10 @@ from schemas.physics import SurfaceMaterial
 from usdio.write.bodies import package_bodies, place_body
 from usdio.write.grasps import author_grasps
 from usdio.write.joints import author_filtered_pairs, author_joints
-from usdio.write.materials import author_materials, texture_files
-from usdio.write.mesh_materials import materials_per_mesh
+from usdio.write.materials.author import author_materials, texture_files
+from usdio.write.materials.mesh_materials import materials_per_mesh
+from usdio.write.materials.modules import MODULE_FOLDER
+from usdio.write.materials.network import TextureFiles
 from usdio.write.meshes import author_meshes
 from usdio.write.physics import author_body, author_colliders, author_contact_material
 
@@ -32,7 +34,8 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     """Write `<folder>/usd/<asset_id>.usda` with its support files and return it.
 
     `folder` must be named so that `asset_id` contains the name (NP.005) and should be empty. Payload layers go to
-    `payloads/`, the original bytes of the used textures to `textures/`, the thumbnail to `.thumbs/256x256/`.
+    `payloads/`, the original bytes of the used textures to `textures/`, MDL modules to `mdl/`, the thumbnail to
+    `.thumbs/256x256/`.
     The same content gives the same bytes; dates come from SOURCE_DATE_EPOCH. Raises OSError when writing fails and
     ValueError for content that breaks its own contract (a hull without points).
     """
@@ -49,8 +52,10 @@ def write_package(content: PackageContent, folder: Path) -> Path:
     bodies = package_bodies(content, root)
     frames = {body.link: body.frame for body in bodies}
     taken = author_meshes(meshes, root, content.model, mesh_materials, content.parts, frames)
+    images = {texture.name: texture for texture in content.model.textures}
     paths = {name: f"../textures/{file}" for name, file in files.items()}
-    author_materials(materials, root, mesh_materials, paths, label)
+    looks = TextureFiles(paths, images, f"../{MODULE_FOLDER}")
+    modules = author_materials(materials, root, mesh_materials, looks, label)
     contact_materials = _contact_materials(physics, root, content)
     for body in bodies:
         of_shapes = [contact_materials[i] for i in body.shape_indices]
@@ -69,9 +74,11 @@ def write_package(content: PackageContent, folder: Path) -> Path:
 
     if files:
         textures.mkdir(exist_ok=True)
-    data = {texture.name: texture.data for texture in content.model.textures}
     for name, file in files.items():
-        (textures / file).write_bytes(data[name])
+        (textures / file).write_bytes(images[name].data)
+    for name, source in modules.items():
+        (main_file.parent / MODULE_FOLDER).mkdir(exist_ok=True)
+        (main_file.parent / MODULE_FOLDER / name).write_text(source)
     thumbnail = main_file.parent / ".thumbs" / "256x256" / f"{main_file.name}.png"
     thumbnail.parent.mkdir(parents=True, exist_ok=True)
     thumbnail.write_bytes(content.thumbnail_png)

@@ -12,7 +12,7 @@ from geom.mesh.corner_normals import face_normals
 from geom.pose import apply, quat_of
 from schemas.identifiers import identifier
 from schemas.physics import CollisionShape, Contact, MassProperties
-from usdio.write.materials import label_material
+from usdio.write.materials.author import label_material
 from usdio.write.meshes import author_normals, define_mesh, distinct_corner_order
 
 CONTACT_MATERIALS = "PhysicsMaterials"

@@ -15,7 +15,7 @@ from schemas.physics import Contact
 from schemas.scene.compiled import Point3, Quat_wxyz
 from schemas.scene.program import PairedMaterial
 from schemas.scene.samples import SampledLighting
-from usdio.write.materials import label_material
+from usdio.write.materials.author import label_material
 from usdio.write.package import USD_FOLDER
 from usdio.write.physics import author_contact_values
 from usdio.write.scene import author_scaled_mass

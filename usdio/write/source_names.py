@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from schemas.diagnostics import Diagnostic, finding
 from schemas.model import Model
-from usdio.write.mesh_materials import material_prim_names
+from usdio.write.materials.mesh_materials import material_prim_names
 
 
 def source_names(model: Model) -> dict[str, str]:

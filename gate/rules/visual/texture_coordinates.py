@@ -20,10 +20,12 @@ CODE = DiagnosticCode(
     "The picture shrinks to a single colour.",
     "author the primvar the material reads",
 )
+# Nodes that read texture coordinates from the mesh -> the input that names the primvar.
+READERS = {"UsdPrimvarReader_float2": "varname", "ND_geompropvalue_vector2": "geomprop"}
 
 
 def check(subject: Subject) -> Iterator[Diagnostic]:
-    """A finding per visible mesh that lacks a primvar which its material's UsdPrimvarReader_float2 nodes read."""
+    """A finding per visible mesh that lacks a primvar which its material's readers of coordinates read."""
     primvars_by_material: dict[str, set[str]] = {}
     for prim in subject.visible_prims:
         material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
@@ -44,12 +46,17 @@ def _names(material: Any) -> set[str]:
     """Primvars read by the texture-coordinate readers of a material."""
     names: set[str] = set()
     for prim in Usd.PrimRange(material, Usd.TraverseInstanceProxies()):
-        if prim.IsA(UsdShade.Shader) and shader_id(prim) == "UsdPrimvarReader_float2":
-            attributes = UsdShade.Utils.GetValueProducingAttributes(UsdShade.Shader(prim).GetInput("varname"))
+        if prim.IsA(UsdShade.Shader) and shader_id(prim) in READERS:
+            attributes = UsdShade.Utils.GetValueProducingAttributes(
+                UsdShade.Shader(prim).GetInput(READERS[shader_id(prim)])
+            )
             names.update(str(value) for a in attributes if (value := a.Get(TIME)))
     return names
 
 
 RULE = Rule(
-    CODE, "every primvar that the bound material reads", "UsdPreviewSurface specification: UsdPrimvarReader", check
+    CODE,
+    "every primvar that the bound material reads",
+    "UsdPreviewSurface specification: UsdPrimvarReader; MaterialX: geompropvalue",
+    check,
 )

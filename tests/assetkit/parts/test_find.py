@@ -22,7 +22,7 @@ from schemas.model import Mesh, Model
 from schemas.parts import part_faces
 from schemas.physics import Solid
 from tests.support.bad_inputs.assets import joined
-from usdio.write.mesh_materials import materials_per_mesh
+from usdio.write.materials.mesh_materials import materials_per_mesh
 from usdio.write.meshes import author_meshes
 
 LONG = {

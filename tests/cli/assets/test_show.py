@@ -11,12 +11,20 @@ from typer.testing import CliRunner
 from assetkit.package.record import RECORD
 from cli.main import app
 from schemas.acceptance import Check, Margin, SuiteSection
+from schemas.appearance.record import AppearanceSection, MaterialRecord
 from schemas.diagnostics import finding
+from schemas.evidence import declared, default, measured
 
 
-def shown(folder: Path, acceptance: dict[str, object], diagnostics: Sequence[object]) -> str:
+def shown(
+    folder: Path,
+    acceptance: dict[str, object],
+    diagnostics: Sequence[object],
+    appearance: dict[str, object] | None = None,
+) -> str:
     record = {"asset_id": "mug", "outcome": "accepted", "acceptance": acceptance, "diagnostics": diagnostics}
     record |= {section: {} for section in ("geometry", "semantics", "physics", "source")}
+    record |= {"appearance": appearance} if appearance else {}
     (folder / RECORD).write_text(json.dumps(record))
     result = CliRunner().invoke(app, ["assets", "show", str(folder)], catch_exceptions=False)
     assert result.exit_code == 0
@@ -38,6 +46,17 @@ def test_margins_failed_figures_and_withdrawn_roles_are_printed(tmp_path: Path) 
     assert "1 of 1 checks; holds for friction >= 0.45" in said
     assert "1 of 2 checks; leans: 7.5 deg, bound 5 deg" in said
     assert said.count("is not borne out (it leans: 7.5 deg, bound 5 deg)") == 1
+
+
+def test_materials_and_texel_density_are_printed(tmp_path: Path) -> None:
+    values = {"roughness": declared(0.2, "the file"), "ior": default(1.5)}
+    shaders = ("UsdPreviewSurface", "OpenPBR", "OmniGlass")
+    material = MaterialRecord(name="pane", optics="transmissive", values=values, shaders=shaders)
+    density = measured(812.5, "median")
+    section = AppearanceSection(materials=("pane",), textures=(), render_materials=(material,), texels_per_m=density)
+    text = " ".join(shown(tmp_path, {}, [], section.model_dump(mode="json")).split())
+    for words in ("texels_per_m", "812.5", "material pane", "transmissive:", "OmniGlass", "1 of 2 values"):
+        assert words in text
 
 
 def test_a_record_of_an_earlier_version_has_no_suites(tmp_path: Path) -> None:

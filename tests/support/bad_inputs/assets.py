@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import trimesh
+from PIL import Image
 
 from assetkit.acceptance.suites.table import SUITES
 
@@ -221,6 +222,29 @@ def mtl(content: str) -> Writer:
     return write
 
 
+def with_coordinates(*places: str) -> str:
+    """SOUND_FACES, their corners at these texture coordinates in turn."""
+    corners = iter(range(12))
+    lines = [
+        " ".join([word if word == "f" else f"{word}/{next(corners) % len(places) + 1}" for word in line.split()])
+        if line.startswith("f")
+        else line
+        for line in SOUND_FACES.splitlines()
+    ]
+    return "".join(f"vt {place}\n" for place in places) + "\n".join(lines) + "\n"
+
+
+def pictured(faces: str) -> Writer:
+    """Faces in a material with a picture of 32 pixels a side, whose brightness follows nothing."""
+
+    def write(folder: Path) -> Path:
+        Image.new("RGB", (32, 32), (90, 120, 150)).save(folder / "part.png")
+        (folder / "part.mtl").write_text("newmtl m\nmap_Kd part.png\n")
+        return text("part.obj", "mtllib part.mtl\nusemtl m\n" + faces)(folder)
+
+    return write
+
+
 SAMPLES: dict[str, Writer] = {
     "asset/format-unsupported": text("part.fbx", b"Kaydara FBX Binary"),
     "asset/format-unsupported-yet": text("part.blend", "BLENDER-v300"),
@@ -286,9 +310,22 @@ SAMPLES: dict[str, Writer] = {
     "asset/missing-material": text("part.obj", "mtllib absent.mtl\nusemtl m\n" + SOUND_FACES),
     "asset/invalid-material-value": mtl("newmtl m\nNs shiny\n"),
     "asset/material-extension-fallback": gltf(
-        materials=[{"name": "m", "extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 0, 0]}}}],
-        extensionsUsed=["KHR_materials_sheen"],
+        materials=[{"name": "m", "extensions": {"KHR_materials_unlit": {}}}], extensionsUsed=["KHR_materials_unlit"]
     ),
+    "asset/shader-lacks-layer": gltf(
+        materials=[
+            {
+                "name": "m",
+                "pbrMetallicRoughness": {"metallicFactor": 0.0},
+                "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0}},
+            }
+        ],
+        extensionsUsed=["KHR_materials_transmission"],
+    ),
+    "asset/missing-texture-coordinates": pictured(SOUND_FACES),
+    "asset/collapsed-texture-coordinates": pictured(with_coordinates("0.5 0.5")),
+    "asset/nonfinite-texture-coordinates": pictured(with_coordinates("0 0", "1 0", "nan 1")),
+    "asset/texture-resampled": pictured(with_coordinates("0 0", "1 0", "0 1")),
     "asset/source-inertia-implausible": usda(body=HEAVY),
     "asset/source-friction-implausible": gltf(
         nodes=[{"mesh": 0, "extensions": {KHR: {"collider": {"geometry": {"node": 0}, "physicsMaterial": 0}}}}],
@@ -309,6 +346,7 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/library-leftover": "tests/assetkit/library/test_doctor.py",
     "asset/library-owner-dangling": "tests/assetkit/library/test_doctor.py",
     "asset/library-catalog-stale": "tests/assetkit/library/test_doctor.py",
+    "asset/baked-lighting-suspected": "tests/assetkit/materials/test_baked_lighting.py",
     "asset/worker-crashed": "tests/assetkit/test_batch.py",
     "asset/worker-timeout": "tests/assetkit/test_batch.py",
     "asset/worker-out-of-memory": "tests/assetkit/test_batch.py",

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
-from pxr import Gf, Usd, UsdGeom, UsdShade, Vt
+from PIL import Image
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
 
 from tests.suites.gate.edits import (
     BASE,
@@ -30,11 +33,14 @@ from tests.suites.gate.edits import (
     texture_of,
     turn_inside_out,
 )
+from usdio.write.materials.modules import module_sources
 
 PANEL, KNOB, TOP = f"{DOOR}/Visuals/panel", f"{DOOR}/Visuals/knob", f"{BASE}/Visuals/top"
 MATERIAL = f"{CABINET}/Materials/oak"
 PLACEMENT = SURFACE.replace("surface", "diffuseColor_placement")
 SPACE = "inputs:sourceColorSpace"
+OPEN_PBR, OMNI_PBR = SURFACE.replace("surface", "mtlx_surface"), SURFACE.replace("surface", "mdl_surface")
+PICTURE = Sdf.AssetPath("./sample.png")
 
 
 def _scale_normals(factor: float):
@@ -68,6 +74,40 @@ def _corrupt_picture(stage: Usd.Stage) -> None:
             file.truncate(20)
 
     texture_of("normal", cut)(stage)
+
+
+def omni_pbr(name: str, value: object, kind: Sdf.ValueTypeName, module: str = "./mana_opaque.mdl", space: str = "raw"):
+    """A sound OmniPBR shader in the prop's material, with its module and a picture, and one more input."""
+
+    def edit(stage: Usd.Stage) -> None:
+        folder = Path(stage.GetRootLayer().realPath).parent
+        (folder / "mana_opaque.mdl").write_text(module_sources(["OmniPBR"])["mana_opaque.mdl"])
+        Image.new("RGB", (2, 2)).save(folder / "sample.png")
+        node = UsdShade.Shader.Define(stage, OMNI_PBR)
+        node.SetSourceAsset(Sdf.AssetPath(module), "mdl")
+        node.SetSourceAssetSubIdentifier("OmniPBR", "mdl")
+        port = node.CreateInput(name, kind)
+        port.Set(value)
+        if kind == TYPES.Asset:
+            port.GetAttr().SetColorSpace(space)
+        surface = UsdShade.Material(node.GetPrim().GetParent()).CreateSurfaceOutput("mdl")
+        surface.ConnectToSource(node.CreateOutput("out", TYPES.Token))
+
+    return edit
+
+
+def read_as(path: str, name: str, color_space: str):
+    """The picture upstream of a MaterialX input, read in another colour space."""
+
+    def change(prim: Usd.Prim) -> None:
+        node = UsdShade.Shader(prim)
+        while not node.GetInput("file"):
+            ports = [node.GetInput(name)] if node.GetPath() == prim.GetPath() else node.GetInputs()
+            sources = (port.GetConnectedSources()[0] for port in ports)
+            node = UsdShade.Shader(next(found[0].source for found in sources if found).GetPrim())
+        node.GetInput("file").GetAttr().SetColorSpace(color_space)
+
+    return on_prim(path, change)
 
 
 DEFECTS: tuple[Defect, ...] = (
@@ -111,9 +151,27 @@ DEFECTS: tuple[Defect, ...] = (
     prop("normal map in sRGB", texture_of("normal", lambda p: p.GetAttribute(SPACE).Set("sRGB")), "texture-reader"),
     prop("colour map raw", texture_of("emissiveColor", lambda p: p.GetAttribute(SPACE).Set("raw")), "texture-reader"),
     prop("normal map not unpacked", texture_of("normal", _packed), "texture-reader"),
+    prop("node that MaterialX lacks", put(OPEN_PBR, "info:id", "ND_open_pbr_surface_v9"), "shader-node"),
+    prop("input that OpenPBR lacks", shader(OPEN_PBR, "clearcoat", 0.5, TYPES.Float), "shader-node"),
+    prop("weight as a colour", shader(OPEN_PBR, "subsurface_weight", Gf.Vec3f(1), TYPES.Color3f), "shader-node"),
+    prop("parameter that OmniPBR lacks", omni_pbr("sheen_weight", 0.5, TYPES.Float), "shader-node"),
+    prop("threshold as a flag", omni_pbr("flip_tangent_u", 1.0, TYPES.Float), "shader-node"),
+    prop("module of the renderer", omni_pbr("bump_factor", 1.0, TYPES.Float, "OmniPBR.mdl"), "shader-node"),
+    prop("OpenPBR colour as data", read_as(OPEN_PBR, "base_color", "none"), "texture-space"),
+    prop("OpenPBR normals as colour", read_as(OPEN_PBR, "geometry_normal", "srgb_texture"), "texture-space"),
+    prop(
+        "OmniPBR normals as colour", omni_pbr("normalmap_texture", PICTURE, TYPES.Asset, space="sRGB"), "texture-space"
+    ),
+    prop("OmniPBR colour raw", omni_pbr("diffuse_texture", PICTURE, TYPES.Asset, space="raw"), "texture-space"),
+    prop("OpenPBR roughness 3", shader(OPEN_PBR, "fuzz_roughness", 3.0, TYPES.Float), "shader-value"),
     prop("texture coordinates gone", remove(BODY_MESH, "primvars:st"), "texture-coordinates", "warning"),
     prop("texture cut short", _corrupt_picture, "texture-image"),
     prop("vendor value NaN", put(PROP, "physxRigidBody:maxDepenetrationVelocity", NAN, TYPES.Float), "nonfinite-value"),
 )
 
-SOUND: tuple[Sound, ...] = (Sound("rough surface", "prop", shader(SURFACE, "roughness", 1.0, TYPES.Float)),)
+SOUND: tuple[Sound, ...] = (
+    Sound("rough surface", "prop", shader(SURFACE, "roughness", 1.0, TYPES.Float)),
+    Sound("normals of OmniPBR as data", "prop", omni_pbr("normalmap_texture", PICTURE, TYPES.Asset)),
+    Sound("colour of OmniPBR as sRGB", "prop", omni_pbr("diffuse_texture", PICTURE, TYPES.Asset, space="sRGB")),
+    Sound("full coat of OpenPBR", "prop", shader(OPEN_PBR, "fuzz_weight", 1.0, TYPES.Float)),
+)

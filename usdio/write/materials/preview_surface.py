@@ -1,4 +1,4 @@
-"""Authors UsdPreviewSurface materials from `schemas.appearance.material.Material`.
+"""The UsdPreviewSurface of a material, which every renderer reads.
 
 Specification: openusd.org/release/spec_usdpreviewsurface.html.
 """
@@ -6,76 +6,63 @@ Specification: openusd.org/release/spec_usdpreviewsurface.html.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import Final
 
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade
+from pxr import Gf, Sdf, UsdShade
 
-from schemas.appearance.material import Material, TextureUse
-from schemas.identifiers import unique_identifiers
-from schemas.model import Model
-from usdio.write.mesh_materials import MeshMaterial, uv_primvar
+from schemas.appearance.material import Texture, TextureUse
+from schemas.appearance.optics import unlike_plain
+from usdio.write.materials.mesh_materials import MeshMaterial, uv_primvar
+from usdio.write.materials.network import IDENTITY_UV, Network
+from usdio.write.materials.output import ShaderOutput
 
 # UsdPreviewSurface has no transmission. Opacity replaces it; some is kept so that clear glass stays visible.
 _LEAST_GLASS_OPACITY = 0.2
-_IDENTITY_UV = ((1.0, 1.0), 0.0, (0.0, 0.0))
+_SHOWN: Final = frozenset(
+    {
+        "base_color",
+        "base_color_texture",
+        "metallic",
+        "metallic_texture",
+        "roughness",
+        "roughness_texture",
+        "normal_texture",
+        "normal_scale",
+        "occlusion_texture",
+        "emissive",
+        "emissive_texture",
+        "opacity",
+        "opacity_texture",
+        "alpha_mode",
+        "alpha_cutoff",
+        "double_sided",
+        "ior",
+        "clearcoat",
+        "clearcoat_texture",
+        "clearcoat_roughness",
+        "clearcoat_roughness_texture",
+    }
+)
 
 
-def texture_uses(material: Material) -> tuple[TextureUse, ...]:
-    """Every texture use that reaches the written shader."""
-    uses = (
-        material.base_color_texture,
-        material.metallic_texture,
-        material.roughness_texture,
-        material.normal_texture,
-        material.occlusion_texture,
-        material.emissive_texture,
-        None if material.alpha_mode == "opaque" else material.opacity_texture,
-    )
-    return tuple(use for use in uses if use is not None)
+def _lost(mesh_material: MeshMaterial, images: Mapping[str, Texture]) -> frozenset[str]:
+    """Everything beyond metallic-roughness with a coat; transmission is shown as opacity, which bends no light."""
+    return unlike_plain(mesh_material.material) - _SHOWN
 
 
-def texture_files(model: Model, mesh_materials: Sequence[MeshMaterial]) -> dict[str, str]:
-    """Texture.name -> file name below `textures/` of every texture that a mesh material uses, in model order."""
-    used = {use.texture for mesh_material in mesh_materials for use in texture_uses(mesh_material.material)}
-    textures = [texture for texture in model.textures if texture.name in used]
-    names = unique_identifiers((texture.name for texture in textures), "texture")
-    return {texture.name: f"{file}.{texture.extension}" for file, texture in zip(names, textures, strict=True)}
+def _author(network: Network, mesh_material: MeshMaterial) -> None:
+    _Surface(network, mesh_material).author()
 
 
-def author_materials(
-    stage: Usd.Stage, root: Sdf.Path, mesh_materials: Sequence[MeshMaterial], textures: Mapping[str, str], label: str
-) -> None:
-    """Define `<root>/Materials/<name>` for every distinct mesh material.
-
-    `textures` maps Texture.name to an asset path relative to the layer; `label` is the material type for SL.MAT.001.
-    """
-    scope = UsdGeom.Scope.Define(stage, root.AppendChild("Materials")).GetPath()
-    for name, mesh_material in sorted(
-        {mesh_material.prim_name: mesh_material for mesh_material in mesh_materials}.items()
-    ):
-        material = UsdShade.Material.Define(stage, scope.AppendChild(name))
-        label_material(material, label)
-        material.GetPrim().SetCustomDataByKey("mana:sourceName", mesh_material.material.name)
-        _Network(stage, material, mesh_material, textures).author()
-
-
-def label_material(material: UsdShade.Material, label: str) -> None:
-    """The `material` semantic label every Material prim must carry, physics ones too (SL.MAT.001)."""
-    UsdSemantics.LabelsAPI.Apply(material.GetPrim(), "material").CreateLabelsAttr([label])
-
-
-class _Network:
+class _Surface:
     """The shader network of one material while it is being authored."""
 
-    def __init__(
-        self, stage: Usd.Stage, material: UsdShade.Material, mesh_material: MeshMaterial, textures: Mapping[str, str]
-    ) -> None:
-        self._stage = stage
-        self._material = material
+    def __init__(self, network: Network, mesh_material: MeshMaterial) -> None:
+        self._network = network
         self._mesh_material = mesh_material
-        self._textures = textures
         self._shared: dict[tuple[object, ...], UsdShade.Shader] = {}
-        self._surface = self._shader("surface", "UsdPreviewSurface")
+        self._surface = network.shader("surface", "UsdPreviewSurface")
 
     def author(self) -> None:
         """Author every input of the surface and connect it to the material."""
@@ -90,14 +77,13 @@ class _Network:
         self._scalar("roughness", source.roughness, source.roughness_texture)
         self._color("emissiveColor", source.emissive, source.emissive_texture)
         self._input("ior", Sdf.ValueTypeNames.Float, source.ior)
-        self._input("clearcoat", Sdf.ValueTypeNames.Float, source.clearcoat)
-        self._input("clearcoatRoughness", Sdf.ValueTypeNames.Float, source.clearcoat_roughness)
+        self._scalar("clearcoat", source.clearcoat, source.clearcoat_texture)
+        self._scalar("clearcoatRoughness", source.clearcoat_roughness, source.clearcoat_roughness_texture)
         if source.occlusion_texture is not None:
             self._scalar("occlusion", 1.0, source.occlusion_texture)
         self._opacity()
         self._normal()
-        surface_output = self._surface.CreateOutput("surface", Sdf.ValueTypeNames.Token)
-        self._material.CreateSurfaceOutput().ConnectToSource(surface_output)
+        self._network.connect_surface(self._surface, "surface", "")
 
     def _opacity(self) -> None:
         source = self._mesh_material.material
@@ -159,8 +145,8 @@ class _Network:
         key = (use.texture, use.uv_set, use.wrap_s, use.wrap_t, placement, scale, bias, fallback, color_space)
         if key in self._shared:
             return self._shared[key]
-        texture = self._shader(f"{name}_texture", "UsdUVTexture")
-        texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(Sdf.AssetPath(self._textures[use.texture]))
+        texture = self._network.shader(f"{name}_texture", "UsdUVTexture")
+        texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(Sdf.AssetPath(self._network.files.paths[use.texture]))
         texture.CreateInput("sourceColorSpace", Sdf.ValueTypeNames.Token).Set(color_space)
         texture.CreateInput("wrapS", Sdf.ValueTypeNames.Token).Set(use.wrap_s)
         texture.CreateInput("wrapT", Sdf.ValueTypeNames.Token).Set(use.wrap_t)
@@ -177,11 +163,11 @@ class _Network:
         reader = self._primvar_reader(f"{primvar}_reader", "UsdPrimvarReader_float2", primvar)
         output = reader.CreateOutput("result", Sdf.ValueTypeNames.Float2)
         placement = (use.uv_scale, use.uv_rotation_rad, use.uv_offset)
-        if placement == _IDENTITY_UV:
+        if placement == IDENTITY_UV:
             return output
         key = ("UsdTransform2d", use.uv_set, placement)
         if key not in self._shared:
-            transform = self._shader(f"{name}_placement", "UsdTransform2d")
+            transform = self._network.shader(f"{name}_placement", "UsdTransform2d")
             transform.CreateInput("in", Sdf.ValueTypeNames.Float2).ConnectToSource(output)
             transform.CreateInput("scale", Sdf.ValueTypeNames.Float2).Set(Gf.Vec2f(*use.uv_scale))
             transform.CreateInput("rotation", Sdf.ValueTypeNames.Float).Set(math.degrees(use.uv_rotation_rad))
@@ -192,17 +178,15 @@ class _Network:
     def _primvar_reader(self, name: str, kind: str, primvar: str) -> UsdShade.Shader:
         key = (kind, primvar)
         if key not in self._shared:
-            reader = self._shader(name, kind)
+            reader = self._network.shader(name, kind)
             reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set(primvar)
             self._shared[key] = reader
         return self._shared[key]
-
-    def _shader(self, name: str, kind: str) -> UsdShade.Shader:
-        shader = UsdShade.Shader.Define(self._stage, self._material.GetPath().AppendChild(name))
-        shader.CreateIdAttr(kind)
-        return shader
 
     def _input(self, name: str, kind: Sdf.ValueTypeName, value: object) -> UsdShade.Input:
         created = self._surface.CreateInput(name, kind)
         created.Set(value)
         return created
+
+
+PREVIEW_SURFACE: Final = ShaderOutput("UsdPreviewSurface", "", _lost, _author)

@@ -1,0 +1,1 @@
+"""Tests of the optical model of a material."""

@@ -1,0 +1,1 @@
+"""Tests of the shaders that are written for a material."""
