@@ -81,6 +81,19 @@ def test_a_library_has_a_report_per_package_in_json_also_of_infinite_figures(lib
     assert "asset/package-invalid" in [finding["code"] for finding in bad["findings"]]
 
 
+def test_roles_are_exercised_also_where_the_object_fails_but_can_be_simulated(library: Path, tmp_path: Path) -> None:
+    shutil.copytree(library / "block", tmp_path / "block")
+    layer = Sdf.Layer.FindOrOpen(str(tmp_path / "block" / "usd" / "payloads" / "block_physics.usda"))
+    stage = Usd.Stage.Open(layer)
+    hull = next(prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.CollisionAPI))
+    points = UsdGeom.Mesh(hull).GetPointsAttr()
+    points.Set((np.asarray(points.Get()) * [1.4, 1.0, 1.0]).tolist())
+    layer.Save()
+    code, reports = read(str(tmp_path / "block"), "--quick")
+    assert (code, outcomes(reports["block"])["object"]) == (1, "failed")
+    assert outcomes(reports["block"])["manipulated"] != "not_run"
+
+
 def test_only_the_suites_that_are_named_run_and_quick_leaves_other_conditions_out(library: Path) -> None:
     file = library / "block" / "usd" / "block.usda"
     code, reports = read(str(file), "--suite", "common", "--suite", "object")

@@ -219,13 +219,13 @@ def anchor_raised(victim: Victim) -> bool:
     anchors = [*victim.anchors("volume"), *victim.anchors("surface")]
     for anchor in anchors:
         anchor["position_m"][2] += lift
-    return bool(anchors) and bool(victim.roles & {"receptacle", "support"})
+    return bool(anchors)
 
 
 def bump_on_support(victim: Victim) -> bool:
     """A thin post stands in the middle of every support surface."""
     surfaces = victim.anchors("surface")
-    if not surfaces or not victim.roles & {"support"}:
+    if not surfaces:
         return False
     for number, surface in enumerate(surfaces):
         x, y, z = surface["position_m"]
