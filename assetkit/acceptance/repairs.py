@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from assetkit.acceptance.suites.policy import POLICY
+from assetkit.colliders.choose import CUTS_FINE, METHODS
 from assetkit.stage import Draft, Edits
 from schemas.affordances import Grasp
 
@@ -25,6 +26,8 @@ COLLIDER_FAILURES = frozenset(
         "asset/handling-not-released",
     }
 )
+# Findings that colliders with smaller gaps may cure: things fall between two hulls of a vessel, or hulls fill it.
+GAP_FAILURES = frozenset({"asset/receptacle-tunnel", "asset/receptacle-leaves", "asset/receptacle-no-volume"})
 # Findings that another place to grasp at may cure.
 GRASP_FAILURES = frozenset(
     {"asset/handling-lost", "asset/handling-slip", "asset/handling-landing", "asset/handling-pushed"}
@@ -57,6 +60,18 @@ def another_collider(draft: Draft) -> Edits | None:
     return replace(draft.edits, excluded_colliders=(*draft.edits.excluded_colliders, failed))
 
 
+def finer_collider(draft: Draft) -> Edits | None:
+    """The finest decomposition, twice as many hulls, in place of what was chosen, once; where the surface has a volume
+    to hold things in.
+    """
+    if draft.physics is None or draft.physics.links or draft.physics.section.collision_method == CUTS_FINE:
+        return None
+    if draft.interaction is None or all(anchor.kind != "volume" for anchor in draft.interaction.anchors):
+        return None
+    coarser = tuple(method for method in METHODS if method != CUTS_FINE)
+    return None if CUTS_FINE in draft.edits.excluded_colliders else replace(draft.edits, excluded_colliders=coarser)
+
+
 def more_grasps(draft: Draft) -> Edits | None:
     """More of the proposed grasps are tried, if there are some."""
     if draft.acceptance is None or draft.edits.tried_grasps >= MORE_GRASPS:
@@ -82,6 +97,7 @@ def friction_within_bounds(draft: Draft) -> Edits | None:
 # In the order in which they are tried.
 REPAIRS = (
     RepairRule("another_collider", COLLIDER_FAILURES, "physics", another_collider),
+    RepairRule("finer_collider", GAP_FAILURES, "physics", finer_collider),
     RepairRule("more_grasps", GRASP_FAILURES, "acceptance", more_grasps),
     RepairRule("friction_within_bounds", FRICTION_FAILURES, "physics", friction_within_bounds),
 )

@@ -59,10 +59,11 @@ def _next(draft: Draft, log: StageLog, rules: Sequence[RepairRule]) -> tuple[Rep
 def _failures(log: StageLog, rules: Sequence[RepairRule]) -> list[str]:
     """Codes of the findings that a rule answers, in order; also of those that withdrew a role."""
     answered = frozenset[str]().union(*(rule.failures for rule in rules))
-    return list(dict.fromkeys(d.code for d in _all(log.diagnostics) if d.code in answered))
+    return list(dict.fromkeys(d.code for d in all_findings(log.diagnostics) if d.code in answered))
 
 
-def _all(diagnostics: Sequence[Diagnostic]) -> Iterator[Diagnostic]:
+def all_findings(diagnostics: Sequence[Diagnostic]) -> Iterator[Diagnostic]:
+    """The findings, and after a role that was withdrawn those that led to it."""
     for diagnostic in diagnostics:
         yield diagnostic
         if diagnostic.code == "asset/role-withdrawn":

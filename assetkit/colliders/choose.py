@@ -96,6 +96,7 @@ DECOMPOSITIONS: tuple[tuple[str, DecompositionSettings], ...] = (
     (VHACD, DecompositionSettings(method="vhacd")),
     (CUTS_FINE, DecompositionSettings(method="cuts", max_hulls=64, max_pieces=400)),
 )
+METHODS = tuple(name for name, *_ in (*SINGLE_SHAPES, *DECOMPOSITIONS))
 # 32 hulls cannot approximate many thin boards: where all violate a bound by this factor, twice as many are allowed.
 FAR_OFF = 2.0
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from geom.mechanism_pose import link_motions
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, finding
 from schemas.mechanism import Mechanism, MechanismJoint
 from schemas.model import Mesh
@@ -35,8 +36,9 @@ def plausible_damping(mechanism: Mechanism, meshes: Sequence[Mesh]) -> DampingRe
     farthest from the axis, to go over the whole range in 10 s. `meshes` are those of all links at rest.
     """
     joints, notes, repairs = list[MechanismJoint](), list[Diagnostic](), list[Repair]()
+    points = {m.link: np.concatenate([mesh.points for mesh in meshes if mesh.link == m.link]) for m in meshes}
     for joint in mechanism.joints:
-        force = _force_n(mechanism, joint, meshes)
+        force = damping_force_n(mechanism, joint, points)
         if joint.damping > 0.0 and not force <= MOST_N:
             name = joint.source_name or joint.name
             headline = (
@@ -52,15 +54,18 @@ def plausible_damping(mechanism: Mechanism, meshes: Sequence[Mesh]) -> DampingRe
     return DampingResult(replace(mechanism, joints=tuple(joints)), tuple(notes), tuple(repairs))
 
 
-def _force_n(mechanism: Mechanism, joint: MechanismJoint, meshes: Sequence[Mesh]) -> float:
-    """The force at the farthest point of the moved links, from which damping keeps to the range in `SLOWLY_S`."""
+def damping_force_n(mechanism: Mechanism, joint: MechanismJoint, points: Mapping[str, FloatArray]) -> float:
+    """The force at the farthest point of the moved links, from which damping keeps to the range in `SLOWLY_S`.
+
+    `points` (n, 3) of each link by name, in the frame of the mechanism at rest.
+    """
     low, high = joint.limits or (0.0, ONE_TURN_RAD)
     effort = joint.damping * (high - low) / SLOWLY_S
     if not joint.is_angular:
         return effort
     moved = link_motions(mechanism, {joint.name: joint.rest + 0.1})
-    points = [mesh.points for mesh in meshes if not np.allclose(moved.get(mesh.link, np.eye(4)), np.eye(4))]
-    if not points:
+    far = [at for link, at in points.items() if not np.allclose(moved.get(link, np.eye(4)), np.eye(4))]
+    if not far:
         return 0.0
-    arm = float(np.linalg.norm(np.cross(np.concatenate(points) - joint.anchor, joint.axis), axis=1).max())
+    arm = float(np.linalg.norm(np.cross(np.concatenate(far) - joint.anchor, joint.axis), axis=1).max())
     return effort / arm if arm > 0.0 else 0.0

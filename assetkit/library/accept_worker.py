@@ -6,19 +6,23 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from assetkit.acceptance.body_checks import body_checks
 from assetkit.acceptance.joints.judge_joints import judge_joints
 from assetkit.acceptance.judge_body import accept
+from assetkit.acceptance.on_record import declared_on_record, judge_record
 from assetkit.acceptance.suites.run import SuiteResult, run_suite, suites_for
 from assetkit.acceptance.suites.subject import is_recorded, record_of, subject_on_disk
 from assetkit.acceptance.suites.suite import Subject, at_most
 from assetkit.acceptance.suites.table import SUITES
-from assetkit.library.acceptance_request import GATE, OBJECT, AcceptanceReport, AcceptanceRequest
+from assetkit.library.acceptance_request import GATE, OBJECT, ON_RECORD, AcceptanceReport, AcceptanceRequest
 from gate.static_gate import gate
 from jobs.cache import write_atomically
 from schemas.acceptance import SuiteSection
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity
 from sim.named_engine import load_engine
 from sim.port import Simulator
+
+_SENSELESS = frozenset({"asset/package-invalid", "asset/unstable-settling", "asset/joint-unstable"})
 
 
 def accept_package(request: AcceptanceRequest) -> AcceptanceReport:
@@ -32,15 +36,14 @@ def accept_package(request: AcceptanceRequest) -> AcceptanceReport:
     chosen = [s for s in SUITES if s.name in request.suites] if request.suites else suites_for(subject, SUITES)
     sections: list[SuiteSection] = []
     findings: list[Diagnostic] = list(subject.findings)
-    for name, judge in ((GATE, _static), (OBJECT, _whole_object)):
+    for name, judge in ((GATE, _static), (OBJECT, _whole_object), (ON_RECORD, _record)):
         if not request.suites or name in request.suites:
             section, found = judge(subject, simulator)
             sections.append(section)
             findings += found
-    # What makes no sense at rest cannot be handled.
-    broken = [section.name for section in sections if section.name == OBJECT and section.outcome == "failed"]
-    if broken:
-        unrun = [SuiteSection(name=s.name, outcome="not_run", reason=f"'{OBJECT}' failed") for s in chosen]
+    # What makes no sense, or does not come to rest, cannot be handled.
+    if senseless := sorted({finding.code for finding in findings} & _SENSELESS):
+        unrun = [SuiteSection(name=s.name, outcome="not_run", reason=f"'{senseless[0]}'") for s in chosen]
         return AcceptanceReport(roles=subject.roles, suites=(*sections, *unrun), findings=tuple(findings))
     results = [run_suite(suite, subject, simulator, thorough=request.thorough) for suite in chosen]
     sections += [result.section for result in results]
@@ -84,7 +87,9 @@ def _whole_object(subject: Subject, simulator: Simulator) -> tuple[SuiteSection,
             subject.main_file,
             content,
             simulator,
-            declared=content.mechanism,
+            declared=content.mechanism
+            if record is None
+            else declared_on_record(content.mechanism, record.physics.joints),
             contacts={use.joint: use.contact.value for use in subject.joint_uses if use.contact is not None},
             anchors=subject.anchors,
             has_twins=is_recorded(subject.main_file),
@@ -92,6 +97,17 @@ def _whole_object(subject: Subject, simulator: Simulator) -> tuple[SuiteSection,
         result = result.with_joints(joints)
     outcome = "passed" if result.passed else "failed"
     return SuiteSection(name=OBJECT, outcome=outcome, checks=result.section.checks), result.diagnostics
+
+
+def _record(subject: Subject, simulator: Simulator) -> tuple[SuiteSection, tuple[Diagnostic, ...]]:
+    """What is on record, tried again; not without a record, nor with bodies that cannot be simulated."""
+    if record_of(subject.main_file) is None:
+        return SuiteSection(name=ON_RECORD, outcome="not_run", reason="it has no record of Mana"), ()
+    if not all(check.passed for body in subject.content.bodies for check in body_checks(body)):
+        return SuiteSection(name=ON_RECORD, outcome="not_run", reason="its bodies cannot be simulated"), ()
+    run = judge_record(subject, simulator)
+    outcome = "passed" if run.passes else "failed"
+    return SuiteSection(name=ON_RECORD, outcome=outcome, checks=run.checks), run.findings
 
 
 def main(request: str, reply: str) -> None:

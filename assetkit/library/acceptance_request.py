@@ -10,6 +10,7 @@ from schemas.diagnostics import Diagnostic, Severity
 
 GATE = "gate"  # the static rules of docs/reference/gate.md
 OBJECT = "object"  # what is measured of every object: frame, colliders, mass, settling, stable poses, joints
+ON_RECORD = "on_record"  # what a record says of the object, tried on the files again
 
 
 class _Model(BaseModel):

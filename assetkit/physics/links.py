@@ -137,7 +137,7 @@ def _section(mechanism: Mechanism, parts: Sequence[_LinkPhysics], heaviest: _Lin
             for p in parts
             for c in p.result.section.collider_materials
         ),
-        joints=tuple(_joint_evidence(joint) for joint in mechanism.joints),
+        joints=tuple(joint_evidence(joint) for joint in mechanism.joints),
         links=tuple(_link_section(p) for p in parts),
     )
 
@@ -165,7 +165,7 @@ def _link_section(part: _LinkPhysics) -> LinkSection:
     )
 
 
-def _joint_evidence(joint: MechanismJoint) -> Evidence[dict[str, Any]]:
+def joint_evidence(joint: MechanismJoint) -> Evidence[dict[str, Any]]:
     """The joint as the record has it: rad and m; what the source does not state is left out."""
     unit = "rad" if joint.is_angular else "m"
     value: dict[str, Any] = {

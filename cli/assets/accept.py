@@ -11,7 +11,7 @@ import typer
 from rich.markup import escape
 
 from assetkit.batch.suite_rows import suite_rows
-from assetkit.library.acceptance_request import GATE, OBJECT, AcceptanceReport, AcceptanceRequest
+from assetkit.library.acceptance_request import GATE, OBJECT, ON_RECORD, AcceptanceReport, AcceptanceRequest
 from cli import text
 from cli.engines import SIMULATOR
 from jobs.cell import Limits
@@ -55,7 +55,7 @@ def accept_command(
     from assetkit.library.accept import accept_files
     from assetkit.library.validate import main_usd_files
 
-    names = [GATE, OBJECT, *(each.name for each in SUITES)]
+    names = [GATE, OBJECT, ON_RECORD, *(each.name for each in SUITES)]
     for name in suite or ():
         if name not in names:
             raise typer.BadParameter(f"must be one of {', '.join(names)}", param_hint="--suite")

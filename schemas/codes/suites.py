@@ -29,6 +29,28 @@ SUITE_CODES: dict[str, CodeInfo] = {
         "takes for a moving body.",
         "mend what the finding names, or make a package of the file with `mana assets ingest`",
     ),
+    # What is on record.
+    "asset/mass-beyond-bounds": CodeInfo(
+        "error",
+        "A package weighs less or more than its record believes possible",
+        "The record states between which values the mass lies. Outside, USD or record was changed after release, and "
+        "whoever randomises the mass within these bounds never meets that of the file.",
+        "ingest the source again; where the mass is known, state it with --mass",
+    ),
+    "asset/stable-pose-lost": CodeInfo(
+        "error",
+        "A stable pose on record does not hold",
+        "Scenes set objects down in the poses on record. In this one the object falls over, moves, or rests higher or "
+        "lower than it says: its foot, its mass centre or the pose is not what it was.",
+        "look at colliders and mass centre, and ingest the source again",
+    ),
+    "asset/anchor-lost": CodeInfo(
+        "error",
+        "A surface or volume on record does not hold things",
+        "Scenes put things onto the surfaces and into the volumes on record. Here the probes that once stayed do not: "
+        "colliders close the opening or are missing, or the place is not where the object is.",
+        "look at the colliders and at the anchors in the report, and ingest the source again",
+    ),
     # Every object.
     "asset/slope-astray": CodeInfo(
         "warning",

@@ -76,7 +76,7 @@ def judge_joint(subject: JointSubject) -> JudgedJoint:
     """All checks of one joint but those of its contact."""
     if not all(run.finite for run in subject.exercise.runs):
         return _unstable(subject, NOT_FINITE)
-    parts = [_speeds(subject), _reach(subject), _overrun(subject), _axis(subject), _return(subject)]
+    parts = [_speeds(subject), _reach(subject), _range(subject), _overrun(subject), _axis(subject), _return(subject)]
     parts += [_penetration(subject), _probe(subject)]
     return joined(parts)
 
@@ -156,6 +156,34 @@ def _reach(subject: JointSubject) -> JudgedJoint:
                 limited = subject.joint.limits is not None
                 review = review or (limited and check.value > POLICY.blocked_share * (high - low))
     return JudgedJoint(tuple(checks), tuple(findings[:1]), review)
+
+
+def _range(subject: JointSubject) -> JudgedJoint:
+    """How much of the declared range its limits leave out."""
+    meant, own = subject.declared.limits, subject.joint.limits
+    if meant is None or own is None:
+        return JudgedJoint((), ())
+    bound = subject.tolerance(POLICY.reach_share)
+    missing = max(own[0] - meant[0], meant[1] - own[1], 0.0)
+    check = subject.check("range_missing", missing, bound, subject.unit)
+    if check.passed:
+        return JudgedJoint((check,), ())
+    headline = f"stops at {own[0]:.4g} .. {own[1]:.4g} {subject.unit}, not at {meant[0]:.4g} .. {meant[1]:.4g}"
+    return JudgedJoint((check,), (subject.finding("asset/joint-stuck", headline, check),))
+
+
+def judge_damping(joint: MechanismJoint, force_n: float) -> JudgedJoint:
+    """Whether a hand can move the joint against its damping; `force_n` is what that takes, over the range in 10 s."""
+    bound, name = POLICY.damping_n, f"joint.{joint.name}.damping_force"
+    passed = force_n <= bound
+    check = Check(name=name, value=min(force_n, NOT_FINITE), bound=bound, unit="N", passed=passed)
+    if passed:
+        return JudgedJoint((check,), ())
+    headline = f"joint '{joint.source_name or joint.name}' takes {force_n:.3g} N to move slowly against its damping"
+    where = joint.where or Location(prim=joint.name)
+    return JudgedJoint(
+        (check,), (finding("asset/joint-stuck", headline, where=where, value=check.value, bound=bound, unit="N"),)
+    )
 
 
 def _in_the_way(subject: JointSubject, furthest: float, end: float) -> LinkOverlap | None:

@@ -16,11 +16,13 @@ from assetkit.acceptance.joints.checks import (
     JudgedJoint,
     joined,
     judge_contact,
+    judge_damping,
     judge_joint,
 )
 from assetkit.acceptance.joints.policy import POLICY
-from assetkit.acceptance.joints.tasks import body_of, joint_tasks
+from assetkit.acceptance.joints.tasks import body_of, joint_tasks, link_points
 from assetkit.acceptance.joints.twins import check_twins
+from assetkit.geometry.joint_damping import damping_force_n
 from schemas.acceptance import Check
 from schemas.anchors import Anchor
 from schemas.articulation import JointContact
@@ -56,11 +58,13 @@ def judge_joints(
     by_name = {joint.name: joint for joint in content.mechanism.joints}
     meant = {joint.name: joint for joint in declared.joints}
     looped = joints_in_loops(content.mechanism)
+    points = {link.name: link_points(articulation, link.name) for link in content.mechanism.links}
     parts = [_at_rest(exercised.at_rest)]
     for exercise in exercised.joints:
         joint = by_name[exercise.joint]
         subject = JointSubject(joint, meant.get(joint.name, joint), exercise, exercised.at_rest, joint.name in looped)
         parts.append(judge_joint(subject))
+        parts.append(judge_damping(joint, damping_force_n(content.mechanism, joint, points)))
         if joint.name in contacts:
             parts.append(_contact(articulation, joint, contacts[joint.name]))
     if has_twins:

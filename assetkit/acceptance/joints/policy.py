@@ -24,6 +24,8 @@ class JointPolicy:
     probe_share               of the way of its link that a probe may lag behind.
     blocked_share             of its range that a joint must reach before it runs into a link that others can move away;
                               below, a person looks.
+    damping_n                 that moving a joint over its range in 10 s may take against its damping: what intake
+                              leaves in (`joint_damping.MOST_N`), with a tenth to spare for colliders that are smaller.
     thorough_joints           up to so many joints of one object are driven and pushed, slow and fast; up to
                               `quick_joints` each is driven slowly and pushed fast; up to `most_joints` driven fast; the
                               others are not exercised. A joint takes 0.1 s of a core, 0.4 s with every run (measured).
@@ -42,6 +44,7 @@ class JointPolicy:
     contact_share: float = 0.05
     probe_share: float = 0.2
     blocked_share: float = 0.5
+    damping_n: float = 550.0
     thorough_joints: int = 6
     quick_joints: int = 24
     most_joints: int = 64

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,8 @@ _READERS = {".urdf": read_urdf, ".xml": read_mjcf}
 
 
 def check_twins(mechanism: Mechanism, export: Path, asset_id: str) -> tuple[list[Check], list[Diagnostic]]:
-    """Poses of all links in both twins below `export`, each joint at either end of its range, beside those of the USD.
+    """Poses of all links in both twins below `export`, each joint at either end of its range in the file, beside those
+    of the USD.
 
     Checks: the largest distance (m) and angle (deg) of a link in each twin. Findings: `asset/twin-disagrees`, one per
     twin, for the joint with the largest difference.
@@ -54,15 +56,18 @@ def check_twins(mechanism: Mechanism, export: Path, asset_id: str) -> tuple[list
 
 
 def _worst(mechanism: Mechanism, twin: RobotDescription) -> tuple[float, float, str]:
-    """Largest distance (m) and angle (deg) of a link, and the joint that was moved then."""
-    states = [("", joint_positions(mechanism, {}))]
+    """Largest distance (m) and angle (deg) of a link, and the joint moved then, in each file to its end there."""
+    states = [("", joint_positions(mechanism, {}), 0.0)]
+    limits = {joint.name: joint.limits for joint in twin.joints}
     for joint in movable_joints(mechanism):
-        states += [(joint.name, joint_positions(mechanism, {joint.name: end})) for end in _ends(joint)]
+        ends = zip(_ends(joint), limits.get(joint.name) or _ends(replace(joint, limits=None)), strict=True)
+        states += [(joint.name, joint_positions(mechanism, {joint.name: own}), other) for own, other in ends]
     worst_m = worst_deg = 0.0
     at = "nothing"
     known = {joint.name for joint in mechanism.tree if joint.kind != "ball"} & {joint.name for joint in twin.joints}
-    for name, positions in states:
-        X_RL = link_poses(twin, {n: q for n, q in positions.items() if n in known})
+    for name, positions, other in states:
+        moved_to = {**positions, name: other} if name else positions
+        X_RL = link_poses(twin, {n: q for n, q in moved_to.items() if n in known})
         X_AL = link_frames(mechanism, positions)
         X_RA = X_RL.get(mechanism.root.name)
         for link in mechanism.links:

@@ -78,6 +78,13 @@ class SuitePolicy:
     joint_back       share of the range that may be left when it is moved back.
     joint_speed      of the joint over that of the hand: what it may jump ahead when it is freed.
 
+    Record (`on_record`):
+    poses            stable poses on record that are tried, the most probable first.
+    pose_share       of the size by which its origin may rest higher or lower than on record: colliders are as they
+                     were, and half of what a foot may be off the visible surface (`anchor_trials.OFF_SHARE`).
+    surface_margin   share of the size by which a surface is smaller where nothing may stand above it: the foot of a rim
+                     may reach in as far as colliders are off the visible surface.
+
     margin_share     to which the value is found from which on a suite holds.
     """
 
@@ -130,6 +137,9 @@ class SuitePolicy:
     joint_kept: float = 0.9
     joint_back: float = 0.1
     joint_speed: float = 5.0
+    poses: int = 4
+    pose_share: float = 0.01
+    surface_margin: float = 0.01
     margin_share: float = 0.1
 
 

@@ -180,14 +180,27 @@ def test_every_sabotage_is_found(name: str, bullet: Simulator, tmp_path: Path) -
         ({"axis": np.array([np.cos(0.03), np.sin(0.03), 0.0])}, "asset/joint-axis-astray"),
         ({"limits": (0.0, 0.32)}, "asset/joint-overruns-limit"),
         ({"limits": None}, "asset/joint-overruns-limit"),
+        ({"limits": (0.0, 0.28)}, "asset/joint-stuck"),
+        ({"limits": (0.02, 0.3), "rest": 0.02}, "asset/joint-stuck"),
     ],
 )
 def test_a_package_that_differs_from_what_was_declared_is_found(
     changes: dict, code: str, bullet: Simulator, tmp_path: Path
 ) -> None:
-    """1.7 degrees are too much, and so is a limit that was lost or moved by 2 cm of 30."""
+    """1.7 degrees are too much, and so is a limit that was lost or moved by 2 cm of 30, either way."""
     judged = written(GOOD.with_joint("slide", **changes), tmp_path).judge(bullet, GOOD.mechanism)
     assert code in codes(judged)
+
+
+@pytest.mark.parametrize(("newtons", "jams"), [(540.0, False), (600.0, True)])
+@pytest.mark.parametrize("name", ["slide", "hinge"])
+def test_damping_that_no_hand_overcomes_is_found(name: str, newtons: float, jams: bool, tmp_path: Path) -> None:
+    """At the far end of the door, 0.39 m from its axis; the drive of the exercise is stronger than any hand."""
+    low, high = (SLIDE if name == "slide" else HINGE).limits or (0.0, 0.0)
+    arm = 1.0 if name == "slide" else float(np.hypot(0.39, 0.02))
+    jammed = GOOD.with_joint(name, damping=newtons * arm * 10.0 / (high - low))
+    judged = written(jammed, tmp_path).judge(FakeSimulator(), jammed.mechanism)
+    assert ("asset/joint-stuck" in codes(judged)) == jams
 
 
 @pytest.mark.parametrize(
@@ -197,6 +210,8 @@ def test_a_package_that_differs_from_what_was_declared_is_found(
         (".urdf", lambda text: text.replace('<joint name="slide"', '<joint name="slid"')),
         (".xml", lambda text: text.replace('axis="1.0 0.0 0.0"', 'axis="0.0 1.0 0.0"')),
         (".xml", lambda text: text[: len(text) // 2]),
+        (".urdf", lambda text: text.replace('upper="0.3', 'upper="0.2')),
+        (".xml", lambda text: text.replace('range="0.0 0.3', 'range="0.0 0.2')),
     ],
 )
 def test_a_twin_that_moves_another_way_is_found(suffix: str, edit: Callable[[str], str], tmp_path: Path) -> None:

@@ -15,12 +15,14 @@ from assetkit.acceptance.repairs import (
     REPAIRS,
     RepairRule,
     another_collider,
+    finer_collider,
     friction_within_bounds,
     more_grasps,
 )
 from assetkit.acceptance.suites.table import SUITES
 from assetkit.acceptance.targeted_repair import repair_until_accepted
 from assetkit.affordances.grasps import propose_grasps
+from assetkit.colliders.choose import CUTS_FINE, METHODS
 from assetkit.pipeline import STAGES
 from assetkit.stage import Draft, Edits
 from assetkit.stage_log import Entry, StageLog
@@ -159,6 +161,22 @@ def test_friction_stays_as_declared_and_within_what_is_known():
 )
 def test_more_grasps_are_tried_where_there_are_more(trials: list[str], edits: Edits, helps: bool) -> None:
     assert (more_grasps(replace(draft(trials=trials), edits=edits)) is not None) == helps
+
+
+def vessel(collider: str, edits: Edits = Edits(), kind: str = "volume") -> Draft:
+    """A draft whose visible surface has an anchor of that kind."""
+    interaction = SimpleNamespace(anchors=(SimpleNamespace(kind=kind),))
+    return replace(draft(collider), edits=edits, interaction=cast(Any, interaction))
+
+
+def test_where_things_fall_through_gaps_only_the_finest_decomposition_is_left() -> None:
+    edits = finer_collider(vessel("cuts"))
+    assert edits is not None
+    assert {*METHODS} - {*edits.excluded_colliders} == {CUTS_FINE}
+    assert finer_collider(vessel(CUTS_FINE)) is None
+    assert finer_collider(vessel("cuts", Edits(excluded_colliders=(CUTS_FINE,)))) is None
+    assert finer_collider(vessel("cuts", kind="surface")) is None
+    assert finer_collider(draft("cuts")) is None
 
 
 def test_every_failure_of_the_table_is_a_code_and_its_stage_exists():

@@ -72,12 +72,26 @@ def test_a_library_has_a_report_per_package_in_json_also_of_infinite_figures(lib
     assert list(reports) == ["block", "reversed"]
     good, bad = reports["block"], reports["reversed"]
     assert good["roles"] == ["manipulated"]
-    assert outcomes(good) == {"gate": "passed", "object": "passed", "common": "passed", "manipulated": "passed"}
+    assert list(outcomes(good)) == ["gate", "object", "on_record", "common", "manipulated"]
+    assert set(outcomes(good).values()) == {"passed"}
     assert outcomes(bad)["object"] == "failed"
-    assert outcomes(bad)["manipulated"] == "not_run"
+    assert outcomes(bad)["on_record"] == outcomes(bad)["manipulated"] == "not_run"
     checks = [check for suite in bad["suites"] for check in suite["checks"]]
     assert "Infinity" in [check["value"] for check in checks]
     assert "asset/package-invalid" in [finding["code"] for finding in bad["findings"]]
+
+
+def test_roles_are_exercised_also_where_the_object_fails_but_can_be_simulated(library: Path, tmp_path: Path) -> None:
+    shutil.copytree(library / "block", tmp_path / "block")
+    layer = Sdf.Layer.FindOrOpen(str(tmp_path / "block" / "usd" / "payloads" / "block_physics.usda"))
+    stage = Usd.Stage.Open(layer)
+    hull = next(prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.CollisionAPI))
+    points = UsdGeom.Mesh(hull).GetPointsAttr()
+    points.Set((np.asarray(points.Get()) * [1.4, 1.0, 1.0]).tolist())
+    layer.Save()
+    code, reports = read(str(tmp_path / "block"), "--quick")
+    assert (code, outcomes(reports["block"])["object"]) == (1, "failed")
+    assert outcomes(reports["block"])["manipulated"] != "not_run"
 
 
 def test_only_the_suites_that_are_named_run_and_quick_leaves_other_conditions_out(library: Path) -> None:
@@ -101,7 +115,7 @@ def test_only_thorough_runs_have_repeats(library: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--suite", "manipulate"], "must be one of gate, object, common"),
+        (["--suite", "manipulate"], "must be one of gate, object, on_record, common"),
         (["--role", "mug"], "must be one of"),
         (["--video", "out.gif"], "has 2 packages; a video shows one"),
     ],

@@ -129,6 +129,25 @@ def link_heavy(victim: Victim) -> bool:
     return True
 
 
+def handle_missing(victim: Victim) -> bool:
+    """The colliders of a handle or knob are gone, if its link has others."""
+    for use in victim.record.get("joint_uses", []):
+        contact = (use.get("contact") or {"value": None})["value"]
+        if contact is None or contact["kind"] == "edge":
+            continue
+        link = next(body for body in victim.bodies if body.GetName() == contact["link"])
+        low, high = np.array(contact["low_m"]), np.array(contact["high_m"])
+        slack = 0.1 * float(np.linalg.norm(high - low))
+        colliders = victim.colliders_of(link)
+        there = [victim.points_of(collider) + _translation(link) for collider in colliders]
+        within = [bool(np.all(p >= low - slack) and np.all(p <= high + slack)) for p in there]
+        if any(within) and not all(within):
+            for collider in (c for c, inside in zip(colliders, within, strict=True) if inside):
+                victim.remove(collider)
+            return True
+    return False
+
+
 def contact_behind(victim: Victim) -> bool:
     """The place to take a joint by lies on the far side of the object, in the air."""
     uses = [use for use in victim.record.get("joint_uses", []) if use.get("contact")]
@@ -157,6 +176,28 @@ def drive_wild(victim: Victim) -> bool:
     kind = "angular" if joint.GetTypeName() == "PhysicsRevoluteJoint" else "linear"
     drive = UsdPhysics.DriveAPI.Apply(joint, kind)
     drive.CreateDampingAttr(-victim.random.uniform(1.0, 100.0))
+    return True
+
+
+def limits_narrowed(victim: Victim) -> bool:
+    """Limits that leave a tenth to a third of the way from rest to either end."""
+    joint = _joint(victim)
+    if joint is None or (limits := _limits(joint)) is None:
+        return False
+    share = victim.random.uniform(0.1, 0.33)
+    joint.GetAttribute("physics:lowerLimit").Set(share * limits[0])
+    joint.GetAttribute("physics:upperLimit").Set(share * limits[1])
+    return limits[0] <= 0.0 <= limits[1]
+
+
+def joint_jammed(victim: Victim) -> bool:
+    """Damping so strong that no hand moves the joint."""
+    joint = _joint(victim)
+    if joint is None or _limits(joint) is None:
+        return False
+    is_angular = joint.GetTypeName() == "PhysicsRevoluteJoint"
+    drive = UsdPhysics.DriveAPI.Apply(joint, "angular" if is_angular else "linear")
+    drive.CreateDampingAttr(10.0 ** victim.random.uniform(4.0, 6.0))
     return True
 
 

@@ -6,7 +6,7 @@ Amounts are drawn by the victim's generator. Nothing of acceptance is imported h
 from __future__ import annotations
 
 import numpy as np
-from pxr import Gf, UsdGeom, UsdPhysics, Vt
+from pxr import Gf, Usd, UsdGeom, UsdPhysics, Vt
 from scipy.spatial import ConvexHull
 
 from tests.suites.sabotage.package import Victim, evidence_values
@@ -158,7 +158,8 @@ def cavity_filled(victim: Victim) -> bool:
     only.GetExtentAttr().Set(
         Vt.Vec3fArray.FromNumpy(np.stack([corners.min(axis=0), corners.max(axis=0)]).astype(np.float32))
     )
-    only.GetNormalsAttr().Clear()
+    only.GetNormalsAttr().Block()
+    UsdGeom.PrimvarsAPI(only).BlockPrimvar("normals")
     for collider in victim.colliders:
         if collider != only.GetPrim():
             victim.remove(collider)
@@ -167,9 +168,17 @@ def cavity_filled(victim: Victim) -> bool:
 
 def floor_missing(victim: Victim) -> bool:
     """The colliders under the middle of a containment volume are gone."""
+    under = _under_volume(victim)
+    for collider in under:
+        victim.remove(collider)
+    return bool(under)
+
+
+def _under_volume(victim: Victim) -> list[Usd.Prim]:
+    """The colliders under the middle of the first volume; none where these are all, or there is no volume."""
     volumes = victim.anchors("volume")
     if not volumes or len(victim.colliders) < 3:
-        return False
+        return []
     x, y, z = volumes[0]["position_m"]
     above = z + np.array([0.02, 0.1]) * victim.size_m
     under = []
@@ -179,11 +188,29 @@ def floor_missing(victim: Victim) -> bool:
         covers = np.all(low[:2] <= (x, y)) and np.all(high[:2] >= (x, y))
         if covers and low[2] < above[0] and high[2] < above[1]:
             under.append(collider)
-    if not under or len(under) == len(victim.colliders):
-        return False
+    return under if len(under) < len(victim.colliders) else []
+
+
+def floor_thinned(victim: Victim) -> bool:
+    """The colliders under the middle of a receptacle are a sheet of a tenth of a millimetre: a shell."""
+    under = _under_volume(victim) if "receptacle" in victim.roles else []
     for collider in under:
-        victim.remove(collider)
-    return True
+        top = float(victim.points_of(collider)[:, 2].max())
+        _flatten(victim, collider, top, victim.random.uniform(0.5e-4, 1.5e-4))
+    return bool(under)
+
+
+def _flatten(victim: Victim, collider: Usd.Prim, top_m: float, thickness_m: float) -> None:
+    """Squash a collider along z of its body, its top where it was."""
+    points = victim.points_of(collider)
+    factor = thickness_m / float(np.ptp(points[:, 2]))
+    matrix = Gf.Matrix4d(1.0).SetScale(Gf.Vec3d(1.0, 1.0, factor)) * Gf.Matrix4d(1.0).SetTranslate(
+        Gf.Vec3d(0.0, 0.0, top_m * (1.0 - factor))
+    )
+    xform = UsdGeom.Xformable(collider)
+    before = xform.GetLocalTransformation()
+    xform.ClearXformOpOrder()
+    xform.AddTransformOp(opSuffix="sabotage").Set(before * matrix)
 
 
 def anchor_raised(victim: Victim) -> bool:
@@ -192,13 +219,13 @@ def anchor_raised(victim: Victim) -> bool:
     anchors = [*victim.anchors("volume"), *victim.anchors("surface")]
     for anchor in anchors:
         anchor["position_m"][2] += lift
-    return bool(anchors) and bool(victim.roles & {"receptacle", "support"})
+    return bool(anchors)
 
 
 def bump_on_support(victim: Victim) -> bool:
     """A thin post stands in the middle of every support surface."""
     surfaces = victim.anchors("surface")
-    if not surfaces or not victim.roles & {"support"}:
+    if not surfaces:
         return False
     for number, surface in enumerate(surfaces):
         x, y, z = surface["position_m"]
@@ -242,12 +269,18 @@ def grasp_weak(victim: Victim) -> bool:
 
 
 def no_contact_material(victim: Victim) -> bool:
-    """Colliders without a contact material."""
+    """Colliders without a contact material: neither of their own, nor one that they inherit."""
     for collider in victim.colliders:
-        for relationship in collider.GetRelationships():
-            if relationship.GetName() == "material:binding:physics":
-                relationship.SetTargets([])
-    return True
+        for prim in (collider, *_above(collider)):
+            for relationship in prim.GetRelationships():
+                if relationship.GetName() in ("material:binding", "material:binding:physics"):
+                    relationship.SetTargets([])
+    return bool(victim.colliders)
+
+
+def _above(prim: Usd.Prim) -> list[Usd.Prim]:
+    parent = prim.GetParent()
+    return [] if parent.IsPseudoRoot() else [parent, *_above(parent)]
 
 
 def friction_reversed(victim: Victim) -> bool:

@@ -10,6 +10,7 @@ per case in OUT/cases.jsonl; a run continues where it stopped.
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import shutil
 import tempfile
@@ -129,7 +130,7 @@ def _with_causes(finding: Diagnostic) -> Iterator[Diagnostic]:
 
 
 def _seed(seed: int, kind: str, package: str) -> int:
-    return int.from_bytes(f"{seed}/{kind}/{package}".encode(), "little") % 2**32
+    return int.from_bytes(hashlib.sha256(f"{seed}/{kind}/{package}".encode()).digest()[:4], "little")
 
 
 def print_table(rows: Sequence[dict[str, Any]]) -> None:
