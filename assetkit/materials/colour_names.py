@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.colors import CSS4_COLORS, XKCD_COLORS, to_rgb
 from scipy.spatial.distance import cdist
 
-from assetkit.readers.common.corners import srgb_to_linear
+from schemas.appearance.conversions import srgb_to_linear
 from schemas.arrays import FloatArray
 
 BASIC_TERMS = ("black", "white", "grey", "red", "orange", "yellow", "green", "blue", "purple", "pink", "brown")

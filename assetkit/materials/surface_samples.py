@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from assetkit.readers.common.corners import srgb_to_linear
 from render.surfaces import placed_uvs
 from render.textures import decode_rgba
+from schemas.appearance.conversions import srgb_to_linear
 from schemas.appearance.material import Material, TextureUse
 from schemas.arrays import FloatArray, IntArray
 from schemas.model import Mesh, Model

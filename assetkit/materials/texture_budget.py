@@ -10,7 +10,7 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 from PIL import Image
 
-from assetkit.readers.common.corners import srgb_to_linear
+from schemas.appearance.conversions import srgb_to_linear
 from schemas.appearance.material import Material, Texture
 from schemas.arrays import AnyFloatArray, FloatArray
 

@@ -8,13 +8,13 @@ from typing import Any, Final
 
 import numpy as np
 
+from schemas.appearance.conversions import metallic_from_specular
 from schemas.appearance.material import Channel, Material, TextureUse
 from schemas.diagnostics import Diagnostic, Location, finding
 from usdio.read.shader_graph import EARLIEST, ImageSource, InputSource, to_json
 
 Color = tuple[float, float, float]
 _NITS_OF_WHITE: Final = 1000.0  # OpenPBR emission is in nits; this much is shown as full white.
-_F0: Final = 0.04  # Reflectance of common dielectrics at normal incidence.
 
 
 class MaterialConversion:
@@ -209,29 +209,9 @@ class MaterialConversion:
         image = self._image("specular_color")
         if image is not None:
             self._unmapped_inputs["specular_color_texture"] = to_json(image.file.Get(EARLIEST))
-        return metallic_from_specular(diffuse, specular)
-
-
-def metallic_from_specular(diffuse: Color, specular: Color) -> tuple[Color, float]:
-    """Base colour and metalness in 0..1 that look like a linear diffuse and specular colour.
-
-    Method: Khronos, "Converting specular-glossiness to metallic-roughness" (glTF PBR extension notes): equate
-    perceived brightness, solve the quadratic for metalness with F0 = 0.04, blend both estimates of the base colour.
-    """
-    brightness = np.array([0.299, 0.587, 0.114])
-    d, s = np.clip(np.asarray(diffuse), 0, 1), np.clip(np.asarray(specular), 0, 1)
-    light_d, light_s = np.sqrt(brightness @ d**2), np.sqrt(brightness @ s**2)
-    metallic = 0.0
-    if light_s >= _F0:
-        one_minus = 1.0 - s.max()
-        b = light_d * one_minus / (1.0 - _F0) + light_s - 2.0 * _F0
-        root = math.sqrt(max(b * b - 4.0 * _F0 * (_F0 - light_s), 0.0))
-        metallic = float(np.clip((-b + root) / (2.0 * _F0), 0.0, 1.0))
-    from_diffuse = d * (1.0 - s.max()) / (1.0 - _F0) / max(1.0 - metallic, 1e-6)
-    from_specular = (s - _F0 * (1.0 - metallic)) / max(metallic, 1e-6)
-    share = metallic * metallic
-    base = np.clip(from_diffuse * (1.0 - share) + np.clip(from_specular, 0.0, 1.0) * share, 0.0, 1.0)
-    return (float(base[0]), float(base[1]), float(base[2])), metallic
+        base, metallic = metallic_from_specular(np.array(diffuse), np.array(specular))
+        r, g, b = (float(channel) for channel in base)
+        return (r, g, b), float(metallic)
 
 
 def _times(color: Color, tint: Color, weight: float) -> Color:

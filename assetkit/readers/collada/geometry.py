@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from assetkit.readers.collada.xml import Document, Element
-from assetkit.readers.common.corners import compact, empty_faces, srgb_to_linear, stray_faces, unit_normals
+from assetkit.readers.common.corners import compact, empty_faces, stray_faces, unit_normals
 from geom.mesh.finite import require_finite
 from geom.mesh.polygon_triangulation import triangulate_polygons, triangulate_with_holes
+from schemas.appearance.conversions import srgb_to_linear
 from schemas.diagnostics import InvalidInput, Location, Severity, finding
 
 PRIMITIVES = ("triangles", "polylist", "polygons", "tristrips", "trifans")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from schemas.appearance.conversions import srgb_to_linear
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
 from schemas.outcome import INTAKE, Repair
 
@@ -27,12 +28,6 @@ class Notes:
 def repaired(diagnostic: Diagnostic, name: str, **before: float | int | str) -> Notes:
     """One finding with its repair, as an intake step records it."""
     return Notes((diagnostic,), (Repair(name=name, code=diagnostic.code, stage=INTAKE, before=before),))
-
-
-def srgb_to_linear(values: np.ndarray) -> np.ndarray:
-    """Display values in 0..1 as linear light (IEC 61966-2-1), same shape, float64; values outside are clamped."""
-    v = np.clip(np.asarray(values, dtype=np.float64), 0.0, 1.0)
-    return np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4)
 
 
 def stray_faces(bad: np.ndarray, where: Location, *, points: int) -> Notes:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from assetkit.readers.common.corners import srgb_to_linear
+from schemas.appearance.conversions import srgb_to_linear
 
 
 def roughness_from_exponent(exponent: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import PurePosixPath
 from typing import Final, Literal
 from urllib.parse import unquote
@@ -77,6 +78,14 @@ class Textures:
         )
         return use, texture
 
+    def derive(self, name: str, picture: Texture) -> Texture:
+        """The picture as a texture of the model, under a free name; the same bytes are one texture."""
+        if picture.data not in self._by_content:
+            texture = replace(picture, name=self._free(name))
+            self._by_content[picture.data] = texture
+            self.loaded.append(texture)
+        return self._by_content[picture.data]
+
     def _load(self, texture: Json) -> Texture | None:
         """The first source of `texture` that can be had. Findings count only when none can."""
         described = [texture, *(e for name in _SOURCES if (e := texture.extension(name)) is not None)]
@@ -124,7 +133,9 @@ class Textures:
     def _free_name(self, image: Json, index: int) -> str:
         uri = image.string("uri", "")
         stem = "" if uri[:5].lower() == "data:" else PurePosixPath(unquote(uri).replace("\\", "/")).stem
-        name = image.string("name", "") or stem or f"image_{index}"
+        return self._free(image.string("name", "") or stem or f"image_{index}")
+
+    def _free(self, name: str) -> str:
         taken = {t.name for t in self.loaded}
         return next(n for n in (name, *(f"{name}_{i}" for i in range(2, len(taken) + 3))) if n not in taken)
 

@@ -341,6 +341,9 @@ SAMPLES: dict[str, Writer] = {
 }
 
 NOT_FROM_A_FILE: dict[str, str] = {
+    "asset/mass-beyond-bounds": "tests/assetkit/acceptance/test_on_record.py",
+    "asset/anchor-lost": "tests/assetkit/acceptance/test_on_record.py",
+    "asset/stable-pose-lost": "tests/assetkit/acceptance/test_on_record.py",
     "asset/library-package-damaged": "tests/assetkit/library/test_doctor.py",
     "asset/library-interrupted": "tests/assetkit/library/test_doctor.py",
     "asset/library-leftover": "tests/assetkit/library/test_doctor.py",

@@ -6,13 +6,14 @@ import io
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image as Picture
 
+from schemas.appearance.conversions import metallic_from_specular
 from tests.support.usd_files import QUAD, material_of, model_of, preview, read, write
-from usdio.read.pbr import metallic_from_specular
 
 
 def textured(primvar: str = "st", extra: str = "", path: str = "./a.png") -> str:
@@ -216,9 +217,9 @@ def test_material_x_documents_are_read_without_the_plugin(tmp_path: Path) -> Non
 @settings(max_examples=50, deadline=None)
 @given(color=st.tuples(*[st.floats(0.05, 0.95)] * 3))
 def test_specular_colors_convert_at_both_ends(color: tuple[float, float, float]) -> None:
-    base, metallic = metallic_from_specular(color, (0.04, 0.04, 0.04))
+    base, metallic = metallic_from_specular(np.array(color), np.full(3, 0.04))
     assert metallic == pytest.approx(0.0, abs=1e-9)
     assert base == pytest.approx(color)
-    base, metallic = metallic_from_specular((0.0, 0.0, 0.0), color)
+    base, metallic = metallic_from_specular(np.zeros(3), np.array(color))
     assert metallic == pytest.approx(1.0, abs=1e-9)
     assert base == pytest.approx(color)

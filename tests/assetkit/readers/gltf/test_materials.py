@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from assetkit.readers.gltf.materials import metallic_from_specular
 from assetkit.readers.gltf.textures import usd_transform
+from schemas.appearance.conversions import metallic_from_specular
 from schemas.appearance.material import Material
 from schemas.diagnostics import InvalidInput, Severity
 from schemas.model import Model
@@ -169,66 +169,32 @@ def test_extensions_with_a_field_are_mapped(tmp_path):
 
 
 def test_extensions_without_a_field_are_kept_verbatim_and_said_once(tmp_path):
-    extensions = {
-        "KHR_materials_sheen": {"sheenColorFactor": [0.8, 0.2, 0.1], "sheenRoughnessFactor": 0.4},
-        "KHR_materials_emissive_strength": {"emissiveStrength": 4.0},
-        "KHR_materials_transmission": {"transmissionFactor": 0.75, "transmissionTexture": {"index": 9}},
-        "KHR_materials_unlit": {},
-        "ACME_glow": {"deep": [1, {"x": None}]},
-    }
-    file = textured(emissiveFactor=[1, 0.5, 0], extensions=extensions)
-    material, outcome = look(tmp_path, file)
+    extensions = {"ACME_glow": {"deep": [1, {"x": None}]}, "KHR_materials_ior": {"ior": 0}, "ACME_dust": {}}
+    material, outcome = look(tmp_path, textured(extensions=extensions))
     assert material.unmapped == extensions
-    assert material.transmission == 0.75
-    assert material.emissive == (1, 1, 0)
-    assert (material.metallic, material.roughness) == (0, 1)
     (diagnostic,) = outcome.diagnostics
     assert (diagnostic.code, diagnostic.severity) == ("asset/material-extension-fallback", Severity.INFO)
     assert diagnostic.where.prim == "/materials/0"
     assert outcome.repairs == ()
 
 
-def test_specular_glossiness_replaces_metallic_roughness(tmp_path):
-    block = {
-        "diffuseFactor": [0.5, 0.4, 0.3, 1],
-        "diffuseTexture": {"index": 0},
-        "specularFactor": [0.04, 0.04, 0.04],
-        "glossinessFactor": 0.8,
-        "specularGlossinessTexture": {"index": 1},
-    }
-    file = textured(
-        png("RGB", 1),
-        png("RGBA", 2),
-        b"never opened",
-        pbrMetallicRoughness={"baseColorTexture": {"index": 2}},
-        extensions={"KHR_materials_pbrSpecularGlossiness": block},
-    )
-    material, outcome = look(tmp_path, file)
-    assert [d.code for d in outcome.diagnostics] == ["asset/material-extension-fallback"]
-    assert material.base_color == (0.5, 0.4, 0.3)
-    use = material.roughness_texture
-    assert use is not None
-    assert (material.metallic, material.roughness) == (0.0, 1.0)
-    assert (use.channel, use.scale, use.bias) == ("a", -0.8, 1.0)  # 1 - glossiness
-
-
 @given(colors)
 def test_dielectrics_keep_their_diffuse_colour(color):
-    base, metallic = metallic_from_specular(color, (0.04, 0.04, 0.04))
+    base, metallic = metallic_from_specular(np.array(color), np.full(3, 0.04))
     assert metallic == pytest.approx(0.0, abs=1e-6)
     np.testing.assert_allclose(base, color, atol=1e-6)
 
 
 @given(st.tuples(*[st.floats(0.3, 1)] * 3))
 def test_metals_keep_their_specular_colour(color):
-    base, metallic = metallic_from_specular((0.0, 0.0, 0.0), color)
+    base, metallic = metallic_from_specular(np.zeros(3), np.array(color))
     assert metallic == pytest.approx(1.0)
     np.testing.assert_allclose(base, color, atol=1e-6)
 
 
 @given(colors, colors)
 def test_specular_conversion_stays_in_range(diffuse, specular):
-    base, metallic = metallic_from_specular(diffuse, specular)
+    base, metallic = metallic_from_specular(np.array(diffuse), np.array(specular))
     assert 0.0 <= metallic <= 1.0
     assert all(0.0 <= c <= 1.0 for c in base)
 
