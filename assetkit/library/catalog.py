@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import sqlite3
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -53,9 +55,52 @@ def rebuild(out: Path) -> int:
     return count
 
 
-def listing(out: Path) -> list[dict[str, object]]:
-    """All rows of the catalog, by asset id. Raises FileNotFoundError when `out` has no catalog."""
-    return _query(out, "SELECT * FROM assets ORDER BY asset_id", ())
+@dataclass(frozen=True)
+class Selection:
+    """Which rows of the catalog are wanted: equal values, `role` among others, `license` and `name` as parts."""
+
+    outcome: str | None = None
+    category: str | None = None
+    role: str | None = None
+    format: str | None = None
+    license: str | None = None
+    name: str | None = None
+    limit: int = -1  # all
+    offset: int = 0
+
+
+ALL = Selection()
+
+
+def listing(out: Path, chosen: Selection = ALL) -> list[dict[str, object]]:
+    """Rows of the catalog, by asset id. Raises FileNotFoundError when `out` has no catalog."""
+    conditions: list[tuple[str, str]] = [
+        (f"{column} = ?", value)
+        for column in ("outcome", "category", "format")
+        if (value := getattr(chosen, column)) is not None
+    ]
+    if chosen.role is not None:
+        conditions.append(("instr(',' || roles || ',', ?)", f",{chosen.role},"))
+    conditions += [
+        (f"instr(lower({column}), lower(?))", value)
+        for column, value in (("license", chosen.license), ("asset_id", chosen.name))
+        if value is not None
+    ]
+    where = f"WHERE {' AND '.join(sql for sql, _ in conditions)} " if conditions else ""
+    order = "ORDER BY asset_id LIMIT ? OFFSET ?"
+    values = (*(value for _, value in conditions), chosen.limit, chosen.offset)
+    return _query(out, f"SELECT * FROM assets {where}{order}", values)
+
+
+def counts(out: Path, column: str) -> dict[str, int]:
+    """Number of packages by the value of a column, most first; an asset counts in each of its roles."""
+    if column != "roles":
+        sql = f"SELECT {column} AS value, count(*) AS n FROM assets GROUP BY value ORDER BY n DESC, value"
+        return {str(row["value"]): int(str(row["n"])) for row in _query(out, sql, ())}
+    tally = Counter(
+        role for row in _query(out, "SELECT roles FROM assets", ()) for role in str(row["roles"]).split(",")
+    )
+    return dict(sorted(tally.items(), key=lambda item: (-item[1], item[0])))
 
 
 def facts(out: Path) -> list[Facts]:
@@ -82,7 +127,7 @@ def find_text(out: Path, criterion: Criterion) -> TextHit:
     return hits
 
 
-def _query(out: Path, sql: str, parameters: tuple[str, ...]) -> list[dict[str, object]]:
+def _query(out: Path, sql: str, parameters: tuple[str | int, ...]) -> list[dict[str, object]]:
     path = out / CATALOG
     if not path.is_file():
         raise FileNotFoundError(path)

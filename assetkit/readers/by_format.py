@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from assetkit.readers import stl, usd
+from assetkit.readers.blend import format as blend
 from assetkit.readers.collada import format as collada
 from assetkit.readers.gltf import format as gltf
 from assetkit.readers.obj import format as obj
@@ -19,6 +20,7 @@ MESH_FILES: tuple[SourceFormat, ...] = (
     collada.FORMAT,
     usd.USD,
     usd.USDZ,
+    blend.FORMAT,
 )
 # Descriptions of links and joints name mesh files, which the readers of these read.
 FORMATS = (*MESH_FILES, *description_formats({e: row.read for row in MESH_FILES for e in row.extensions}))

@@ -15,7 +15,6 @@ from assetkit.readers.by_format import FORMAT_OF, FORMATS
 from assetkit.sources.source_file import SourceFile
 from jobs.cache import content_key, file_sha256
 
-PLANNED_FORMATS = {".blend": "blend"}
 # Extensions of models that are reported where Mana does not read them; other files in a folder are passed over.
 MODEL_EXTENSIONS = {".fbx", ".3mf", ".3ds", ".step", ".stp", ".iges", ".igs", ".off", ".x3d", ".wrl", ".abc", ".sdf"}
 _TEXT_WITH_REFERENCES = {e for row in FORMATS for e in row.referring}
@@ -28,7 +27,7 @@ _REFERENCE_SCAN_BYTES = 4_000_000
 _MAX_SLUG = 78  # Names of files and folders are made from it, and they may have 255 bytes.
 _NAMED = "|".join(re.escape(extension) for extension in FORMAT_OF)
 _NAME_END = re.compile(rf"(?:{_NAMED})(?![a-z0-9])", re.IGNORECASE)
-_NAME_BREAK = re.compile(r"""[\s"'@<>|*?=]""")
+_NAME_BREAK = re.compile(r"""[\s"'@<>|*?=\0]""")
 _MAX_FILE_NAME = 1024  # Longer names exist in no file system; a data URI of megabytes is no name.
 
 
@@ -70,7 +69,7 @@ def discover(sources: Sequence[Path], *, root: Path | None = None, out: Path | N
 def format_of(path: Path) -> str:
     """The format by extension, or the bare extension when Mana does not read it."""
     suffix = path.suffix.lower()
-    return FORMAT_OF.get(suffix) or PLANNED_FORMATS.get(suffix) or suffix.lstrip(".") or "none"
+    return FORMAT_OF.get(suffix) or suffix.lstrip(".") or "none"
 
 
 def slug(stem: str) -> str:
@@ -108,7 +107,7 @@ def _content(path: Path) -> str:
 
 def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path, Path]]:
     """The sources below a folder, each with the largest folder that holds it and no other source."""
-    known = {*FORMAT_OF, *PLANNED_FORMATS, *MODEL_EXTENSIONS}
+    known = {*FORMAT_OF, *MODEL_EXTENSIONS}
     left_out = out.resolve() if out else None
     files: list[Path] = []
     for parent, folders, names in os.walk(folder):
@@ -155,7 +154,7 @@ def _named_by(file: Path, by_name: dict[str, list[Path]]) -> set[Path]:
     searches = file.suffix.lower() in _SEARCHES_FOLDERS
     targets: set[Path] = set()
     for token in _names_in(_head(file)):
-        parts = PurePosixPath(token.replace("\\", "/")).parts
+        parts = PurePosixPath(token.replace("\\", "/").removeprefix("//")).parts  # Blender: relative to the file
         named = Path(os.path.normpath(file.parent.joinpath(*parts)))
         for target in by_name.get(parts[-1].lower(), ()):
             if target != file and (target == named or (searches and target.is_relative_to(file.parent))):

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from assetkit.sources.discover import PLANNED_FORMATS, SourceAsset
+from assetkit.sources.discover import SourceAsset
 from assetkit.sources.source_file import refusal
 from geom.mesh.topology import is_all_degenerate, is_triangle_soup, observe
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, finding
@@ -30,8 +30,6 @@ def file_findings(asset: SourceAsset, formats: Collection[str]) -> list[Diagnost
         return [finding("asset/path-escape", headline, bound="root")]
     suffix = source.path.suffix.lower()
     size = source.path.stat().st_size
-    if suffix in PLANNED_FORMATS:
-        return [finding("asset/format-unsupported-yet", f"{suffix} files are not read yet", value=suffix)]
     if suffix in TO_CONVERT:
         code, headline = TO_CONVERT[suffix]
         return [finding(code, headline, where=Location(file=source.relative), value=suffix)]

@@ -18,13 +18,13 @@ from assetkit.batch.item_cells import default_jobs
 from assetkit.batch.report_file import REPORT
 from assetkit.batch.run_batch import ingest
 from assetkit.batch.suite_rows import withdrawn_roles
-from assetkit.library import catalog
 from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
 from assetkit.package.record import RECORD
 from cli import text
 from cli.assets.accept import accept_command, show_exercised, show_suites
 from cli.assets.doctor import doctor_command
 from cli.assets.generate import generate_command
+from cli.assets.listing import list_command, stats_command
 from cli.assets.progress import shown_progress
 from cli.assets.review import review_command
 from cli.assets.search import search_command
@@ -41,7 +41,6 @@ from schemas.outcome import ItemOutcome
 
 app = typer.Typer(help="Raw asset files in, accepted simulation packages out.", no_args_is_help=True)
 AsJson = Annotated[bool, typer.Option("--json", help="Print machine-readable JSON and nothing else.")]
-Library = Annotated[Path, typer.Argument(help="An output folder of `mana assets ingest`.", exists=True)]
 
 
 @app.command("ingest")
@@ -184,17 +183,10 @@ def segmenter_stated(command: str, seconds: float, timeout: float) -> SegmenterC
     return SegmenterCommand(command=whole, seconds=seconds, digest=digest)
 
 
-@app.command("list")
-def list_command(library: Library, as_json: AsJson = False) -> None:
-    """List the packages of a library.
-
-    Example: `mana assets list library`
-    """
-    _rows(catalog.listing(library), as_json)
-
-
 app.command("accept")(accept_command)
 app.command("doctor")(doctor_command)
+app.command("list")(list_command)
+app.command("stats")(stats_command)
 app.command("generate")(generate_command)
 app.command("search")(search_command)
 app.command("review")(review_command)
@@ -295,14 +287,6 @@ def render_command(
         print(json.dumps([str(p) for p in written]))
     else:
         text.console.print("\n".join(str(p) for p in written), soft_wrap=True)
-
-
-def _rows(rows: list[dict[str, object]], as_json: bool) -> None:
-    if as_json:
-        print(json.dumps(rows, indent=1))
-        return
-    columns = ("asset_id", "outcome", "category", "size_x_m", "size_y_m", "size_z_m", "mass_kg", "material", "collider")
-    text.show_rows(rows, {c: c.replace("_", " ") for c in columns})
 
 
 def _evidence_rows(record: dict) -> list[dict[str, object]]:

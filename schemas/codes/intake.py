@@ -12,11 +12,18 @@ INTAKE_CODES: dict[str, CodeInfo] = {
         "Only files of a format with a reader become assets; anything else is reported, not guessed at.",
         "convert the file to GLB or USD and ingest that",
     ),
-    "asset/format-unsupported-yet": CodeInfo(
+    "asset/blender-missing": CodeInfo(
         "error",
-        "The file type is planned but not read yet",
-        "A .blend holds modifiers and node graphs that a mesh import would silently drop.",
-        "export the geometry as GLB or USD",
+        "Blender, which reads .blend files, is not set up",
+        "A .blend holds modifiers and node graphs that only Blender evaluates. It is a large program of its own, which "
+        "Mana installs when asked to.",
+        "run `mana setup blender` once, then the same command again; or export the file as GLB or USD",
+    ),
+    "asset/blend-version": CodeInfo(
+        "error",
+        "The .blend file is of a version that Blender 5.0 does not read",
+        "Files of later versions may hold blocks that an older Blender drops without a word; those before 2.48 differ.",
+        "save it with Blender 5.0 or export it as GLB or USD",
     ),
     "asset/wrong-content": CodeInfo(
         "error",

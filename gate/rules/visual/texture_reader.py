@@ -50,8 +50,9 @@ def _reader(subject: Subject, prim: Any, output: str, use: str) -> Iterator[Diag
         yield finding(CODE, headline, where=where, value=space, bound=bound, severity=severity)
     if use == "normal":
         scale, bias = vector(prim, "inputs:scale", (1.0,) * 4), vector(prim, "inputs:bias", (0.0,) * 4)
-        # Green may be flipped: DirectX normal maps.
-        unpacked = np.allclose(np.abs(scale[:3]), NORMAL_SCALE[:3]) and np.allclose(np.abs(bias[:3]), 1.0)
+        # Green may be flipped (DirectX normal maps), and a strength multiplies both x and y, but not z.
+        centred = np.allclose(scale[:2], -2.0 * bias[:2]) and bool(np.all(scale[:2] != 0.0))
+        unpacked = centred and np.allclose(scale[2], NORMAL_SCALE[2]) and np.allclose(bias[2], NORMAL_BIAS[2])
         floating = text(prim, "inputs:file").rstrip("@").endswith((".exr", ".hdr"))
         if not unpacked and not floating:
             headline = "the normal map is not unpacked from 0 .. 1 to -1 .. 1"

@@ -247,7 +247,6 @@ def pictured(faces: str) -> Writer:
 
 SAMPLES: dict[str, Writer] = {
     "asset/format-unsupported": text("part.fbx", b"Kaydara FBX Binary"),
-    "asset/format-unsupported-yet": text("part.blend", "BLENDER-v300"),
     "asset/wrong-content": text("part.glb", "<!DOCTYPE html><html>404</html>"),
     "asset/lfs-pointer": text("part.glb", LFS),
     "asset/parse-error": text("part.gltf", '{"asset": '),
@@ -341,6 +340,8 @@ SAMPLES: dict[str, Writer] = {
 }
 
 NOT_FROM_A_FILE: dict[str, str] = {
+    "asset/blender-missing": "tests/assetkit/readers/blend/test_read.py",
+    "asset/blend-version": "tests/assetkit/readers/blend/test_read.py",
     "asset/mass-beyond-bounds": "tests/assetkit/acceptance/test_on_record.py",
     "asset/anchor-lost": "tests/assetkit/acceptance/test_on_record.py",
     "asset/stable-pose-lost": "tests/assetkit/acceptance/test_on_record.py",
