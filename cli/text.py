@@ -20,7 +20,7 @@ from rich.table import Table
 from assetkit.batch.report_file import FinishedBatch
 from schemas.diagnostics import Diagnostic
 from schemas.outcome import ItemOutcome
-from schemas.report import Reason, ReportItem
+from schemas.report import CodeCount, ReportItem
 
 console = Console()
 STYLE = {
@@ -89,7 +89,7 @@ def show_summary(report: FinishedBatch, *, verbose: bool = False) -> None:
         _show_reasons(report.reasons)
 
 
-def _show_reasons(reasons: Sequence[Reason]) -> None:
+def _show_reasons(reasons: Sequence[CodeCount]) -> None:
     """Print each code that rejected items or sent them to review: how many, the first of them, and what to do."""
     for reason in reasons:
         counts = [

@@ -17,6 +17,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from distributed import Client, Future, LocalCluster, Worker, WorkerPlugin, get_worker
 from distributed.core import Status
@@ -30,7 +31,7 @@ from jobs.warm import ForkServer, run_cold, use_runner
 THIS_MACHINE = "local"
 CONNECT_TIMEOUT_S = 20.0  # for the scheduler to answer
 FIRST_WORKER_TIMEOUT_S = 60.0  # for the first suitable worker, where the cluster starts them on demand
-_POLL_S = 0.5
+_LOOK_AGAIN_S = 0.5
 _REFUSALS = "mana-refused-workers"
 
 
@@ -114,7 +115,7 @@ class ClusterCells:
         )
         ended = threading.Event()
         future.add_done_callback(lambda _: ended.set())
-        while not ended.wait(_POLL_S):
+        while not ended.wait(_LOOK_AGAIN_S):
             if is_stopping():
                 future.cancel()
                 return CANCELLED
@@ -209,10 +210,10 @@ def _fork_server(preload: str, env: dict[str, str]) -> ForkServer:
 @contextlib.contextmanager
 def _connected(address: str, jobs: int, stack: contextlib.ExitStack) -> Iterator[Client]:
     if address == THIS_MACHINE:
-        cluster = stack.enter_context(
+        cluster: Any = stack.enter_context(
             LocalCluster(n_workers=jobs, threads_per_worker=1, processes=True, dashboard_address=":0")
         )
-        address = str(cluster.scheduler_address)  # pyright: ignore[reportAttributeAccessIssue]
+        address = str(cluster.scheduler_address)
     with Client(address, timeout=CONNECT_TIMEOUT_S, set_as_default=False) as client:
         yield client
 

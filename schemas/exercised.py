@@ -46,8 +46,8 @@ def exercised_ranges(record: AssetRecord) -> Exercised | None:
     """Those of a package around the friction and mass of its record; None where no suite was run."""
     if not record.acceptance.suites or not record.physics.contacts:
         return None
-    own = record.physics.contacts[0].value
-    return exercised(record.acceptance.suites, friction=own.dynamic_friction, mass_kg=record.physics.mass_kg.value)
+    friction = record.physics.contacts[0].value.dynamic_friction
+    return exercised(record.acceptance.suites, friction=friction, mass_kg=record.physics.mass_kg.value)
 
 
 def exercised(suites: Sequence[SuiteSection], *, friction: float, mass_kg: float) -> Exercised:

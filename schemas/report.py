@@ -26,7 +26,7 @@ class ReportItem(BaseModel):
     traceback: str = ""
 
 
-class Reason(BaseModel):
+class CodeCount(BaseModel):
     """A code that kept items from being accepted as they were: how many items of each outcome have it, and the first.
 
     `headline` and `help` are those of the example, the first item in the order of the report.
@@ -54,6 +54,6 @@ class IngestReport(BaseModel):
 
     schema_version: str = "1.0"
     items: tuple[ReportItem, ...]
-    reasons: tuple[Reason, ...] = ()
+    reasons: tuple[CodeCount, ...] = ()
     totals: dict[str, float]
     interrupted: bool = False

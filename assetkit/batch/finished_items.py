@@ -11,7 +11,7 @@ from typing import Self
 
 from schemas.diagnostics import Diagnostic, Severity
 from schemas.outcome import EndpointUse, ItemOutcome
-from schemas.report import Reason, ReportItem
+from schemas.report import CodeCount, ReportItem
 
 _UNFINISHED = -1
 
@@ -81,7 +81,7 @@ class FinishedItems:
             **{f"{stage}_seconds": round(seconds, 2) for stage, seconds in sorted(self._seconds.items())},
         }
 
-    def reasons(self) -> tuple[Reason, ...]:
+    def reasons(self) -> tuple[CodeCount, ...]:
         """Every code of warnings and errors, those of most rejected items first, then those of most items in review."""
         worst = (ItemOutcome.REJECTED, ItemOutcome.REVIEW)
         listed = [count.reason() for count in self._reasons.values()]
@@ -107,11 +107,11 @@ class _ReasonCount:
         if self._example is None or position < self._example[0]:
             self._example = (position, item.source, diagnostic)
 
-    def reason(self) -> Reason:
+    def reason(self) -> CodeCount:
         """The counts with their example."""
         assert self._example is not None
         _, source, diagnostic = self._example
-        return Reason(
+        return CodeCount(
             code=diagnostic.code,
             severity=diagnostic.severity,
             outcomes={outcome: self._outcomes[outcome] for outcome in ItemOutcome if self._outcomes[outcome]},

@@ -1,7 +1,8 @@
 """Writes the report of a batch from its items: `report.json` for tools, and a page for people.
 
 The page opens from disk without a network and holds tens of thousands of items: `report.html` has one short row per
-item, drawn as they are scrolled into view; what is known about an item is in files of `DETAILS`, loaded when asked for.
+item, drawn as they are scrolled into view; what is known about an item is in files of `DETAILS`, which the page loads
+when the item is chosen.
 """
 
 from __future__ import annotations

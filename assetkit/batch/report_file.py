@@ -10,7 +10,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from schemas.diagnostics import InvalidInput, Location, finding
-from schemas.report import IngestReport, Reason, ReportItem
+from schemas.report import CodeCount, IngestReport, ReportItem
 
 REPORT = "report.json"
 _ITEMS = b'"items":[\n'  # ends the first line; each item then fills a line, until one that begins with "]"
@@ -22,7 +22,7 @@ class FinishedBatch:
 
     out: Path
     totals: dict[str, float]
-    reasons: tuple[Reason, ...] = ()
+    reasons: tuple[CodeCount, ...] = ()
     interrupted: bool = False
 
     @property

@@ -52,7 +52,7 @@ def ingest(
     out = Path(out)
     with exclusive(out):
         given = tuple(Path(source) for source in sources)
-        found = listed_sources(given, out / WORK, root=None if root is None else Path(root), out=out)
+        source_list = listed_sources(given, out / WORK, root=None if root is None else Path(root), out=out)
         batch = Batch(
             out=out,
             options=options or Options(),
@@ -63,7 +63,7 @@ def ingest(
             fresh=fresh,
             given=given,
         )
-        result = run_batch(found, batch, progress)
+        result = run_batch(source_list, batch, progress)
         shutil.rmtree(out / WORK, ignore_errors=True)
         return result
 

@@ -1,7 +1,7 @@
 """The environment that holds Blender (`bpy`): where it is, whether it is complete, and how it is made.
 
 Blender is a program of its own under the GPL, 370 MB to download and 970 MB installed, and needs another NumPy than
-Mana; so it lives apart, is called as a child process, and is made when the user asks for it.
+Mana; so it lives apart, is called as a child process, and is made when the user wants it.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ lies outside ROOT is read.
 """
 
 import gzip
+import importlib
 import json
 import os
 import re
@@ -16,7 +17,7 @@ import struct
 import sys
 
 ZSTD, GZIP = b"\x28\xb5\x2f\xfd", b"\x1f\x8b"
-MOST_BYTES = 2**31  # unpacked
+MOST_UNPACKED_BYTES = 2**31  # unpacked
 _PATH = re.compile(rb"[\x20-\x7e\x80-\xff]{2,1023}\.blend\d*(?=\x00)", re.IGNORECASE)
 
 
@@ -28,9 +29,9 @@ def unpacked(path):
         if start[:2] == GZIP:
             source = gzip.GzipFile(fileobj=file)
         elif start == ZSTD:
-            import zstandard  # pyright: ignore[reportMissingImports]  # as Blender brings it
-
-            source = zstandard.ZstdDecompressor().stream_reader(file, read_across_frames=True)
+            source = (
+                importlib.import_module("zstandard").ZstdDecompressor().stream_reader(file, read_across_frames=True)
+            )
         else:
             source = file
         chunks, size = [], 0
@@ -38,7 +39,7 @@ def unpacked(path):
             while chunk := source.read(2**20):
                 chunks.append(chunk)
                 size += len(chunk)
-                if size > MOST_BYTES:
+                if size > MOST_UNPACKED_BYTES:
                     raise SystemExit("too large")
         except (OSError, EOFError, ValueError) as error:
             if not chunks:
@@ -83,7 +84,7 @@ def look(path):
 
 def convert(path, out, root):
     """Export to GLB, z up, in units of the scene; what was left out and which pictures are absent."""
-    import bpy  # pyright: ignore[reportMissingImports]
+    bpy = importlib.import_module("bpy")
 
     preferences = bpy.context.preferences
     preferences.filepaths.use_scripts_auto_execute = False

@@ -25,20 +25,22 @@ def doctor_command(
 
     Example: `mana assets doctor library`
     """
-    found = examine(library, repair=not check)
+    examination = examine(library, repair=not check)
     if as_json:
         rows = [
             {**each.model_dump(mode="json"), "repaired": done}
-            for each, done in zip(found.findings, found.repaired, strict=True)
+            for each, done in zip(examination.findings, examination.repaired, strict=True)
         ]
-        print(json.dumps({"packages": found.packages, "healthy": found.healthy, "findings": rows}, indent=1))
+        print(
+            json.dumps({"packages": examination.packages, "healthy": examination.healthy, "findings": rows}, indent=1)
+        )
     else:
-        for each, done in zip(found.findings, found.repaired, strict=True):
+        for each, done in zip(examination.findings, examination.repaired, strict=True):
             if done:
                 text.console.print(f"repaired: {each.headline}", markup=False, soft_wrap=True)
             else:
                 text.show_diagnostic(each)
-        left = sum(not done for done in found.repaired)
+        left = sum(not done for done in examination.repaired)
         state = "whole" if not left else f"{left} findings are left"
-        text.console.print(f"{found.packages} packages, {state}")
-    raise typer.Exit(0 if found.healthy else 1)
+        text.console.print(f"{examination.packages} packages, {state}")
+    raise typer.Exit(0 if examination.healthy else 1)

@@ -43,7 +43,7 @@ def list_command(
             "id": row["asset_id"],
             "outcome": row["outcome"],
             "category": row["category"],
-            "size": " × ".join(f"{100.0 * float(str(row[f'size_{axis}_m'])):.3g}" for axis in "xyz"),
+            "size": "×".join(f"{100.0 * float(str(row[f'size_{axis}_m'])):.3g}" for axis in "xyz"),
             "mass": f"{float(str(row['mass_kg'])):.3g}",
         }
         for row in rows

@@ -1,4 +1,4 @@
-"""Checks paired materials: acceptance exercised the friction and mass that they give an object, or it is told."""
+"""Checks that acceptance exercised the friction and mass that paired materials give to objects."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def check_materials(program: SceneProgram, library: AssetLibrary, spans: Spans) 
 
 
 def _dressed(program: SceneProgram, material: PairedMaterial, library: AssetLibrary) -> Iterator[Geometry]:
-    """The geometries of every asset that may wear the material; what is wrong with an asset is told elsewhere."""
+    """The geometries of every asset that may wear the material; `check_assets` finds what is wrong with them."""
     for written in written_assets(program):
         match written.path:
             case ("objects", int(number), *_):

@@ -37,8 +37,8 @@ def suite(draw: st.DrawFn) -> SuiteSection:
 
 @given(st.lists(suite(), min_size=1, max_size=3))
 def test_no_pair_within_the_ranges_lies_at_or_beyond_what_failed(suites: list[SuiteSection]):
-    found = exercised(suites, friction=FRICTION, mass_kg=MASS_KG)
-    ranges = {"friction": found.friction, "mass_kg": found.mass_kg}
+    limits = exercised(suites, friction=FRICTION, mass_kg=MASS_KG)
+    ranges = {"friction": limits.friction, "mass_kg": limits.mass_kg}
     for each in ranges.values():
         assert each.low <= each.value <= each.high
     for one in suites:
@@ -51,10 +51,10 @@ def test_no_pair_within_the_ranges_lies_at_or_beyond_what_failed(suites: list[Su
                     end != each.value and math.copysign(1.0, end - each.value) * (end - at) >= -1e-12
                     for end in ((each.low,) if at < each.value else (each.high,))
                 )
-                for each, at in ((found.friction, corner.friction), (found.mass_kg, corner.mass_kg))
+                for each, at in ((limits.friction, corner.friction), (limits.mass_kg, corner.mass_kg))
             ]
             assert not all(beyond)
-    assert exercised(suites, friction=FRICTION, mass_kg=MASS_KG) == found
+    assert exercised(suites, friction=FRICTION, mass_kg=MASS_KG) == limits
 
 
 def test_where_nothing_fails_all_of_the_bounds_stay_and_nobody_limits_them():

@@ -14,7 +14,7 @@ from schemas.evidence import BY_STANDARD
 
 
 class MaterialValues:
-    """The values of one material. `origins` holds that of every field that was asked for, `notes` what was wrong.
+    """The values of one material. `origins` holds that of every field that was read, `notes` what was wrong.
 
     A property that the file leaves out has the value of the standard, which is sure only by half: exporters leave out
     what they do not know.

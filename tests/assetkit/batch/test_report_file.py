@@ -77,8 +77,8 @@ def test_a_report_says_what_the_items_said_whenever_they_finished(
 
 def test_what_rejects_most_comes_first(tmp_path: Path):
     def with_code(code: str, outcome: ItemOutcome) -> ReportItem:
-        found = finding(code, "so", severity=Severity.ERROR)
-        return ReportItem(source="a", outcome=outcome, codes=(code,), diagnostics=(found,))
+        diagnostic = finding(code, "so", severity=Severity.ERROR)
+        return ReportItem(source="a", outcome=outcome, codes=(code,), diagnostics=(diagnostic,))
 
     said = [(CODES[0], ItemOutcome.REVIEW)] * 5 + [(CODES[1], ItemOutcome.REJECTED), (CODES[2], ItemOutcome.REPAIRED)]
     with FinishedItems(tmp_path, len(said)) as finished:

@@ -25,8 +25,8 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def told(library: Path, values: str, asset: str = "tried", of: str = "a") -> list[Diagnostic]:
     program = library.parent / "program.yaml"
     program.write_text(pool(asset, of=of) + f"variants: {{materials: [{{id: coat, objects: [a], {values}}}]}}\n")
-    found = compile_program(program, library).report.diagnostics
-    return [d for d in found if d.code == "scene/beyond-exercised"]
+    diagnostics = compile_program(program, library).report.diagnostics
+    return [d for d in diagnostics if d.code == "scene/beyond-exercised"]
 
 
 @pytest.mark.parametrize(
