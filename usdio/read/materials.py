@@ -125,12 +125,12 @@ class MaterialTable:
             return replace(_plain_material(color, double_sided, name), shows_mesh_colors=True, source_name=name), []
         ports = {port.GetBaseName(): port for port in shader.GetInputs()}
         dialect = dialect_of(shader_identifier(shader), tuple(ports))
-        sources = _read(dialect, ports)
+        sources, authored = _read(dialect, ports)
         from_mesh = isinstance(sources.get("base_color"), PrimvarSource)
         if from_mesh:
             sources["base_color"] = color or (1.0, 1.0, 1.0)
         where = self._where(source.GetPrim())
-        conversion = MaterialConversion(sources, self._texture, where)
+        conversion = MaterialConversion(sources, authored, dialect.name, self._texture, where)
         material = conversion.material(name, double_sided, _unmapped(source, shader, dialect, ports))
         notes = conversion.diagnostics
         if material.unmapped:
@@ -210,23 +210,29 @@ def reads_display_color(material: UsdShade.Material) -> bool:
     return name in ports and isinstance(input_source(ports[name]), PrimvarSource)
 
 
-def _read(dialect: ShaderDialect, ports: dict[str, UsdShade.Input]) -> dict[str, InputSource]:
-    """The source of each quantity: authored values over the dialect's defaults, image inputs over both."""
+def _read(dialect: ShaderDialect, ports: dict[str, UsdShade.Input]) -> tuple[dict[str, InputSource], dict[str, str]]:
+    """The source of each quantity: authored values over the dialect's defaults, image inputs over both; and the input
+    of each quantity that is authored.
+    """
     sources: dict[str, InputSource] = dict(dialect.defaults)
+    authored: dict[str, str] = {}
     for quantity, name in dialect.inputs.items():
         value = input_source(ports[name]) if name in ports else None
         if value is not None:
             sources[quantity] = value
+            authored[quantity] = name
     for quantity, name in dialect.maps.items():
         value = input_source(ports[name]) if name in ports else None
         if isinstance(value, ImageSource):
             sources[f"{quantity}_map"] = value
+            authored[quantity] = name
     packed = sources.get("orm_map")
     if sources.get("orm_switch") and isinstance(packed, ImageSource):
         sources["occlusion_map"] = replace(packed, channel="r")
         sources["roughness_map"] = replace(packed, channel="g")
         sources["metallic_map"] = replace(packed, channel="b")
-    return sources
+        authored |= dict.fromkeys(("occlusion", "roughness", "metallic"), dialect.maps["orm"])
+    return sources, authored
 
 
 def _unmapped(

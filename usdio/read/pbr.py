@@ -3,31 +3,76 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 
 from schemas.appearance.conversions import metallic_from_specular
-from schemas.appearance.material import Channel, Material, TextureUse
+from schemas.appearance.material import (
+    Anisotropy,
+    Channel,
+    Iridescence,
+    Material,
+    Origin,
+    Sheen,
+    Specular,
+    TextureUse,
+)
 from schemas.diagnostics import Diagnostic, Location, finding
+from schemas.evidence import BY_STANDARD
 from usdio.read.shader_graph import EARLIEST, ImageSource, InputSource, to_json
 
 Color = tuple[float, float, float]
+# The quantities of `shader_dialects` from which each field of `Material` is made.
+_QUANTITIES: Final[dict[str, tuple[str, ...]]] = {
+    "base_color": ("base_color", "base_tint", "base_weight"),
+    "metallic": ("metallic", "specular_workflow", "specular_color"),
+    "roughness": ("roughness",),
+    "normal_texture": ("normal",),
+    "normal_scale": ("normal", "normal_scale"),
+    "occlusion_texture": ("occlusion",),
+    "emissive": ("emissive", "emissive_weight", "emissive_luminance", "emissive_switch", "emissive_strength"),
+    "opacity": ("opacity", "opacity_switch"),
+    "alpha_mode": ("opacity", "cutoff", "opacity_switch"),
+    "alpha_cutoff": ("cutoff",),
+    "ior": ("ior",),
+    "clearcoat": ("clearcoat", "clearcoat_switch"),
+    "clearcoat_roughness": ("clearcoat_roughness",),
+    "transmission": ("transmission",),
+    "dispersion": ("dispersion", "dispersion_abbe"),
+    "specular.weight": ("specular_weight",),
+    "specular.color": ("specular_tint",),
+    "sheen.color": ("sheen_color", "sheen_weight"),
+    "sheen.roughness": ("sheen_roughness",),
+    "anisotropy.strength": ("anisotropy",),
+    "anisotropy.rotation_rad": ("anisotropy_rad", "anisotropy_turns"),
+    "iridescence.factor": ("film_weight",),
+    "iridescence.ior": ("film_ior",),
+    "iridescence.thickness_nm": ("film_thickness_um",),
+}
 _NITS_OF_WHITE: Final = 1000.0  # OpenPBR emission is in nits; this much is shown as full white.
 
 
 class MaterialConversion:
     """Conversion of one material from its `sources` (by the quantities of `shader_dialects`) to `Material`.
 
-    `texture` returns the name of the texture an image reads, or None when there is none. `uv_names` (the primvars of
-    the UV sets, in the order of `TextureUse.uv_set`) and `diagnostics` are complete once `material` has returned.
+    `authored` is the input of each quantity that the file states, `dialect` the name of the shader. `texture` returns
+    the name of the texture an image reads, or None when there is none. `uv_names` (the primvars of the UV sets, in the
+    order of `TextureUse.uv_set`) and `diagnostics` are complete once `material` has returned.
     """
 
     def __init__(
-        self, sources: dict[str, InputSource], texture: Callable[[ImageSource], str | None], where: Location
+        self,
+        sources: dict[str, InputSource],
+        authored: Mapping[str, str],
+        dialect: str,
+        texture: Callable[[ImageSource], str | None],
+        where: Location,
     ) -> None:
         self._sources, self._texture, self._where = sources, texture, where
+        self._authored, self._dialect = authored, dialect
         self.uv_names: list[str] = []
         self.diagnostics: list[Diagnostic] = []
         self._unmapped_inputs: dict[str, Any] = {}
@@ -49,7 +94,9 @@ class MaterialConversion:
         cutoff = self._number("cutoff", 0.0)
         see_through = opacity_map is not None or opacity < 1.0
         normal_map, normal_scale = self._normal()
-        return Material(
+        transmission, transmission_map = self._scalar("transmission", 0.0)
+        coat, coat_map, coat_roughness, coat_roughness_map = self._coat()
+        converted = Material(
             name,
             base_color=_unit(base),
             base_color_texture=base_map,
@@ -60,7 +107,7 @@ class MaterialConversion:
             normal_texture=normal_map,
             normal_scale=normal_scale,
             occlusion_texture=self._scalar("occlusion", 1.0)[1],
-            emissive=_unit(emissive),
+            emissive=_bright(emissive),
             emissive_texture=emissive_map if any(emissive) else None,
             opacity=self._clamped("opacity", opacity),
             opacity_texture=opacity_map,
@@ -68,18 +115,90 @@ class MaterialConversion:
             alpha_cutoff=self._clamped("cutoff", cutoff) if cutoff > 0 else 0.5,
             double_sided=double_sided,
             ior=self._number("ior", 1.5),
-            clearcoat=self._clamped("clearcoat", self._number("clearcoat", 0.0)),
-            clearcoat_roughness=self._clamped("clearcoat_roughness", self._number("clearcoat_roughness", 0.0)),
-            transmission=self._clamped("transmission", self._number("transmission", 0.0)),
+            clearcoat=self._clamped("clearcoat", coat),
+            clearcoat_texture=coat_map,
+            clearcoat_roughness=self._clamped("clearcoat_roughness", coat_roughness),
+            clearcoat_roughness_texture=coat_roughness_map,
+            transmission=self._clamped("transmission", transmission),
+            transmission_texture=transmission_map,
+            dispersion=self._dispersion(),
+            specular=self._specular_layer(),
+            sheen=self._sheen(),
+            anisotropy=self._anisotropy(),
+            iridescence=self._iridescence(),
             unmapped={**unmapped, **self._unmapped_inputs},
         )
+        return replace(converted, origins=self._origins(converted))
 
     def _emission(self) -> float:
         """The factor 0..1 on the emissive colour: switch, weight, and luminance in nits."""
         if not self._sources.get("emissive_switch", True):
             return 0.0
         nits = self._number("emissive_luminance", _NITS_OF_WHITE)
-        return self._number("emissive_weight", 1.0) * min(nits / _NITS_OF_WHITE, 1.0)
+        strength = self._number("emissive_strength", 1.0)
+        return strength * self._number("emissive_weight", 1.0) * nits / _NITS_OF_WHITE
+
+    def _coat(self) -> tuple[float, TextureUse | None, float, TextureUse | None]:
+        """Weight and roughness of the clear coat with their textures; none where a switch turns it off."""
+        if not self._sources.get("clearcoat_switch", True):
+            return 0.0, None, 0.0, None
+        return *self._scalar("clearcoat", 0.0), *self._scalar("clearcoat_roughness", 0.0)
+
+    def _dispersion(self) -> float:
+        """20 / Abbe number, as KHR_materials_dispersion has it; standard_surface states the Abbe number."""
+        abbe = self._number("dispersion_abbe", 0.0)
+        return 20.0 / abbe if abbe > 0.0 else max(self._number("dispersion", 0.0), 0.0)
+
+    def _specular_layer(self) -> Specular | None:
+        if not self._authored.keys() & {"specular_weight", "specular_tint"}:
+            return None
+        weight, weight_map = self._scalar("specular_weight", 1.0)
+        tint, tint_map = self._color("specular_tint", (1.0, 1.0, 1.0))
+        return Specular(self._clamped("specular_weight", weight), weight_map, _bright(tint), tint_map)
+
+    def _sheen(self) -> Sheen | None:
+        """The layer of fibres: its weight scales its colour, as glTF has one only."""
+        if not self._authored.keys() & {"sheen_weight", "sheen_color"}:
+            return None
+        color, color_map = self._color("sheen_color", (0.0, 0.0, 0.0))
+        roughness, roughness_map = self._scalar("sheen_roughness", 0.0)
+        color = _unit(_times(color, (1.0, 1.0, 1.0), self._number("sheen_weight", 1.0)))
+        return Sheen(color, color_map, self._clamped("sheen_roughness", roughness), roughness_map)
+
+    def _anisotropy(self) -> Anisotropy | None:
+        if "anisotropy" not in self._authored:
+            return None
+        turn_rad = self._number("anisotropy_rad", 0.0) + math.tau * self._number("anisotropy_turns", 0.0)
+        return Anisotropy(self._clamped("anisotropy", self._number("anisotropy", 0.0)), turn_rad)
+
+    def _iridescence(self) -> Iridescence | None:
+        """A thin film of one thickness."""
+        if "film_weight" not in self._authored:
+            return None
+        factor, factor_map = self._scalar("film_weight", 0.0)
+        thickness_nm = 1000.0 * max(self._number("film_thickness_um", 0.5), 0.0)
+        ior = max(self._number("film_ior", 1.4), 1.0)
+        return Iridescence(self._clamped("film_weight", factor), factor_map, ior, (thickness_nm, thickness_nm))
+
+    def _origins(self, converted: Material) -> dict[str, Origin]:
+        """The input that each value comes from, or that the shader's definition fills in."""
+        origins: dict[str, Origin] = {}
+        for field, quantities in _QUANTITIES.items():
+            layer, _, name = field.rpartition(".")
+            holder = getattr(converted, layer) if layer else converted
+            if holder is None:
+                continue
+            inputs = [self._authored[quantity] for quantity in quantities if quantity in self._authored]
+            method = f"{self._dialect}: {', '.join(inputs)}"
+            if not inputs and any(quantity in self._sources for quantity in quantities):
+                origins[field] = Origin("declared", f"{self._dialect}: default of the shader", BY_STANDARD)
+            elif inputs and field == "metallic" and self._sources.get("specular_workflow") in (1.0, True):
+                origins[field] = Origin("inferred", f"{method}, reference conversion of specular to metalness", 0.8)
+            elif inputs:
+                origins[field] = Origin("declared", method)
+            if field in origins and getattr(holder, f"{name}_texture", None) is not None:
+                origins[f"{field}_texture"] = origins[field]
+        return origins
 
     def _constant(self, quantity: str, default: Color) -> Color:
         value = self._sources.get(quantity)
@@ -216,6 +335,11 @@ class MaterialConversion:
 
 def _times(color: Color, tint: Color, weight: float) -> Color:
     return (color[0] * tint[0] * weight, color[1] * tint[1] * weight, color[2] * tint[2] * weight)
+
+
+def _bright(color: Color) -> Color:
+    r, g, b = (max(channel, 0.0) for channel in color)
+    return (r, g, b)
 
 
 def _unit(color: Color) -> Color:

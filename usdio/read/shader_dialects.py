@@ -69,6 +69,14 @@ STANDARD_SURFACE: Final = ShaderDialect(
         "clearcoat": "coat",
         "clearcoat_roughness": "coat_roughness",
         "transmission": "transmission",
+        "dispersion_abbe": "transmission_dispersion",
+        "specular_weight": "specular",
+        "specular_tint": "specular_color",
+        "sheen_weight": "sheen",
+        "sheen_color": "sheen_color",
+        "sheen_roughness": "sheen_roughness",
+        "anisotropy": "specular_anisotropy",
+        "anisotropy_turns": "specular_rotation",
     },
     defaults={
         "base_weight": 1.0,
@@ -78,6 +86,11 @@ STANDARD_SURFACE: Final = ShaderDialect(
         "emissive": (1.0, 1.0, 1.0),
         "ior": 1.5,
         "clearcoat_roughness": 0.1,
+        "specular_weight": 1.0,
+        "specular_tint": (1.0, 1.0, 1.0),
+        "sheen_weight": 0.0,
+        "sheen_color": (1.0, 1.0, 1.0),
+        "sheen_roughness": 0.3,
     },
 )
 OPEN_PBR: Final = ShaderDialect(
@@ -96,6 +109,14 @@ OPEN_PBR: Final = ShaderDialect(
         "clearcoat": "coat_weight",
         "clearcoat_roughness": "coat_roughness",
         "transmission": "transmission_weight",
+        "specular_weight": "specular_weight",
+        "specular_tint": "specular_color",
+        "sheen_weight": "fuzz_weight",
+        "sheen_color": "fuzz_color",
+        "sheen_roughness": "fuzz_roughness",
+        "film_weight": "thin_film_weight",
+        "film_ior": "thin_film_ior",
+        "film_thickness_um": "thin_film_thickness",
     },
     defaults={
         "base_weight": 1.0,
@@ -104,6 +125,14 @@ OPEN_PBR: Final = ShaderDialect(
         "emissive_luminance": 0.0,
         "emissive": (1.0, 1.0, 1.0),
         "ior": 1.5,
+        "specular_weight": 1.0,
+        "specular_tint": (1.0, 1.0, 1.0),
+        "sheen_weight": 0.0,
+        "sheen_color": (1.0, 1.0, 1.0),
+        "sheen_roughness": 0.5,
+        "film_weight": 0.0,
+        "film_ior": 1.4,
+        "film_thickness_um": 0.5,
     },
 )
 GLTF_PBR: Final = ShaderDialect(
@@ -122,12 +151,53 @@ GLTF_PBR: Final = ShaderDialect(
         "clearcoat": "clearcoat",
         "clearcoat_roughness": "clearcoat_roughness",
         "transmission": "transmission",
+        "dispersion": "dispersion",
+        "specular_weight": "specular",
+        "specular_tint": "specular_color",
+        "sheen_color": "sheen_color",
+        "sheen_roughness": "sheen_roughness",
+        "anisotropy": "anisotropy_strength",
+        "anisotropy_rad": "anisotropy_rotation",
+        "emissive_strength": "emissive_strength",
     },
-    defaults={"base_color": (1.0, 1.0, 1.0), "metallic": 1.0, "roughness": 1.0, "ior": 1.5},
+    defaults={
+        "base_color": (1.0, 1.0, 1.0),
+        "metallic": 1.0,
+        "roughness": 1.0,
+        "ior": 1.5,
+        "specular_weight": 1.0,
+        "specular_tint": (1.0, 1.0, 1.0),
+        "sheen_weight": 1.0,
+        "sheen_color": (0.0, 0.0, 0.0),
+        "sheen_roughness": 0.0,
+        "emissive_strength": 1.0,
+    },
+)
+OMNI_GLASS: Final = ShaderDialect(
+    "OmniGlass",
+    ("OmniGlass",),
+    {
+        "base_color": "glass_color",
+        "roughness": "frosting_roughness",
+        "ior": "glass_ior",
+        "opacity_switch": "enable_opacity",
+        "opacity": "cutout_opacity",
+        "uv_scale": "texture_scale",
+        "uv_rotation_deg": "texture_rotate",
+        "uv_offset": "texture_translate",
+    },
+    {"base_color": "glass_color_texture", "roughness": "roughness_texture", "normal": "normal_map_texture"},
+    {
+        "base_color": (1.0, 1.0, 1.0),
+        "roughness": 0.0,
+        "ior": 1.491,
+        "opacity_switch": False,
+        "transmission": 1.0,
+    },
 )
 OMNI_PBR: Final = ShaderDialect(
     "OmniPBR",
-    ("OmniPBR", "OmniGlass", "OmniSurface"),
+    ("OmniPBR", "OmniSurface"),
     {
         "base_color": "diffuse_color_constant",
         "base_tint": "diffuse_tint",
@@ -135,6 +205,9 @@ OMNI_PBR: Final = ShaderDialect(
         "roughness": "reflection_roughness_constant",
         "emissive_switch": "enable_emission",
         "emissive": "emissive_color",
+        "clearcoat_switch": "enable_clearcoat",
+        "clearcoat": "clearcoat_weight",
+        "clearcoat_roughness": "clearcoat_reflection_roughness",
         "opacity_switch": "enable_opacity",
         "opacity": "opacity_constant",
         "cutoff": "opacity_threshold",
@@ -165,7 +238,7 @@ OMNI_PBR: Final = ShaderDialect(
         "ior": 1.5,
     },
 )
-DIALECTS: Final = (PREVIEW, STANDARD_SURFACE, OPEN_PBR, GLTF_PBR, OMNI_PBR)
+DIALECTS: Final = (PREVIEW, STANDARD_SURFACE, OPEN_PBR, GLTF_PBR, OMNI_GLASS, OMNI_PBR)
 
 
 def dialect_of(identifier: str, names: tuple[str, ...]) -> ShaderDialect:
