@@ -9,9 +9,18 @@ from typing import Any, Literal
 import numpy as np
 
 from assetkit.readers.collada.xml import Document, Element
-from assetkit.readers.common.phong import ior_or_default, linear_rgb, roughness_from_exponent, unit_interval
+from assetkit.readers.common.phong import (
+    BARE_METAL,
+    PHONG,
+    PHONG_CONFIDENCE,
+    bare_metal,
+    ior_or_default,
+    linear_rgb,
+    roughness_from_exponent,
+    unit_interval,
+)
 from assetkit.readers.common.texture_table import TextureTable, has_alpha, holds_normals
-from schemas.appearance.material import Material, TextureUse
+from schemas.appearance.material import Material, Origin, TextureUse
 from schemas.diagnostics import Severity, finding
 
 _SHADERS = ("phong", "blinn", "lambert", "constant")
@@ -46,10 +55,13 @@ def read_material(
     opacity = 1.0 if mask else _opacity(name, shader, colors, floats, document)
     if mask:
         mask = replace(mask, channel="a" if has_alpha(textures.get(mask.texture)) else "r")
-    return Material(
+    metal = None if base or "specular" in uses else bare_metal(colors.get("diffuse"), colors.get("specular"))
+    diffuse = linear_rgb(colors.get("diffuse", (0.8, 0.8, 0.8)))
+    result = Material(
         name=name,
-        base_color=(1.0, 1.0, 1.0) if base else linear_rgb(colors.get("diffuse", (0.8, 0.8, 0.8))),
+        base_color=(1.0, 1.0, 1.0) if base else metal or diffuse,
         base_color_texture=base,
+        metallic=1.0 if metal else 0.0,
         roughness=_roughness(shader, colors, floats, specular_map="specular" in uses),
         normal_texture=_normal_map(effect, uv_index, document, textures, folder),
         emissive=(1.0, 1.0, 1.0) if emission else linear_rgb(colors.get("emission", (0.0, 0.0, 0.0))),
@@ -61,6 +73,40 @@ def read_material(
         ior=ior_or_default(floats.get("index_of_refraction")),
         unmapped=_unmapped(shader, colors, floats, uses),
     )
+    stated = {*colors, *floats, *uses, *({"double_sided"} if result.double_sided else ())}
+    return replace(result, origins=_origins(result, shader, stated, metal=metal is not None))
+
+
+# The elements from which each field is made, the first that stands counts.
+_ELEMENTS: dict[str, tuple[str, ...]] = {
+    "base_color": ("diffuse",),
+    "base_color_texture": ("diffuse",),
+    "emissive": ("emission",),
+    "emissive_texture": ("emission",),
+    "opacity": ("transparent", "transparency"),
+    "opacity_texture": ("transparent",),
+    "alpha_mode": ("transparent", "transparency"),
+    "double_sided": ("double_sided",),
+    "ior": ("index_of_refraction",),
+}
+
+
+def _origins(material: Material, shader: Element, stated: set[str], *, metal: bool) -> dict[str, Origin]:
+    """The element behind each value, and how sure a conversion is."""
+    origins: dict[str, Origin] = {}
+    for field, tags in _ELEMENTS.items():
+        tag = next((tag for tag in tags if tag in stated), None)
+        if tag is not None and getattr(material, field) is not None:
+            origins[field] = Origin("declared", f"{shader.tag}: {tag}")
+    if metal:
+        origins["base_color"] = origins["metallic"] = BARE_METAL
+    if "shininess" in stated and material.roughness < 1.0:
+        origins["roughness"] = Origin("inferred", f"shininess: {PHONG}", PHONG_CONFIDENCE)
+    elif material.roughness == 1.0:
+        origins["roughness"] = Origin("inferred", f"{shader.tag} without a highlight", PHONG_CONFIDENCE)
+    if material.normal_texture is not None:
+        origins["normal_texture"] = Origin("inferred", "bump, whose picture holds normals", PHONG_CONFIDENCE)
+    return origins
 
 
 def _values(

@@ -7,6 +7,23 @@ from collections.abc import Sequence
 import numpy as np
 
 from schemas.appearance.conversions import srgb_to_linear
+from schemas.appearance.material import LinearRGB, Origin
+
+PHONG = "Blinn-Phong exponent as Beckmann width (Walter et al. 2007)"
+PHONG_CONFIDENCE = 0.6  # Exporters write exponents of their own defaults, and lobes differ.
+BARE_METAL = Origin("inferred", "black diffuse colour under a bright specular one: a bare metal", PHONG_CONFIDENCE)
+_MOST_BLACK, _LEAST_BRIGHT = 0.03, 0.25  # linear; paints reflect more and highlights of dielectrics less
+
+
+def bare_metal(diffuse: Sequence[float] | None, specular: Sequence[float] | None) -> LinearRGB | None:
+    """The linear base colour of a surface that is stated as black (display values) and mirrors a bright colour.
+
+    Else None: a bright specular colour over a paint says how strong a highlight was drawn, and no more.
+    """
+    if diffuse is None or specular is None:
+        return None
+    paint, mirror = linear_rgb(diffuse), linear_rgb(specular)
+    return mirror if max(paint) <= _MOST_BLACK and max(mirror) >= _LEAST_BRIGHT else None
 
 
 def roughness_from_exponent(exponent: float) -> float:

@@ -12,10 +12,19 @@ from pathlib import Path
 from typing import Any, Literal
 
 from assetkit.readers.common.corners import Notes, repaired
-from assetkit.readers.common.phong import ior_or_default, linear_rgb, roughness_from_exponent, unit_interval
+from assetkit.readers.common.phong import (
+    BARE_METAL,
+    PHONG,
+    PHONG_CONFIDENCE,
+    bare_metal,
+    ior_or_default,
+    linear_rgb,
+    roughness_from_exponent,
+    unit_interval,
+)
 from assetkit.readers.common.texture_table import TextureTable, has_alpha, holds_normals
 from assetkit.sources.source_file import SourceFile
-from schemas.appearance.material import Channel, Material, TextureUse
+from schemas.appearance.material import Anisotropy, Channel, Material, Origin, Sheen, TextureUse
 from schemas.diagnostics import Location, Severity, finding
 
 # Options of a texture statement and the least and most arguments each takes.
@@ -39,7 +48,8 @@ _CHANNELS: dict[str, Channel] = {"r": "r", "g": "g", "b": "b", "m": "a"}
 _COLORS = frozenset({"kd", "ks", "ke", "ka", "tf"})
 _SCALARS = frozenset({"ns", "ni", "d", "tr", "pr", "pm", "pc", "pcr", "ps", "illum", "sharpness", "aniso", "anisor"})
 _MAPS = frozenset({"map_kd", "map_ke", "map_d", "map_pr", "map_pm", "map_bump", "bump", "norm"})
-_FIELDS = frozenset({"kd", "ke", "ns", "ni", "d", "tr", "pr", "pm", "pc", "pcr"})  # these have a place in Material
+# These have a place in Material.
+_FIELDS = frozenset({"kd", "ke", "ns", "ni", "d", "tr", "pr", "pm", "pc", "pcr", "ps", "aniso", "anisor"})
 
 
 @dataclass(frozen=True)
@@ -106,11 +116,16 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
     taken = {*(_FIELDS & values.keys()), *maps}
     taken -= ({"kd"} if base else set()) | ({"bump", "map_bump"} if bump is None else set())
     taken -= {"d", "tr"} if opacity_notes.diagnostics else set()
+    metal = (
+        None if base or {"pm", "map_pm"} & block.statements.keys() else bare_metal(values.get("kd"), values.get("ks"))
+    )
+    taken |= {"ks"} if metal else set()
+    diffuse = linear_rgb(values.get("kd", (0.8, 0.8, 0.8)))
     material = Material(
         name=block.name,
-        base_color=(1.0, 1.0, 1.0) if base else linear_rgb(values.get("kd", (0.8, 0.8, 0.8))),
+        base_color=(1.0, 1.0, 1.0) if base else metal or diffuse,
         base_color_texture=base,
-        metallic=unit_interval(values.get("pm", (1.0 if "map_pm" in maps else 0.0,))[0]),
+        metallic=unit_interval(values.get("pm", (1.0 if "map_pm" in maps or metal else 0.0,))[0]),
         metallic_texture=_scalar(maps.get("map_pm")),
         roughness=1.0 if "map_pr" in maps else _roughness(values),
         roughness_texture=_scalar(maps.get("map_pr")),
@@ -123,9 +138,69 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
         ior=ior_or_default(values["ni"][0] if "ni" in values else None),
         clearcoat=unit_interval(values.get("pc", (0.0,))[0]),
         clearcoat_roughness=unit_interval(values.get("pcr", (0.0,))[0]),
+        sheen=_sheen(values),
+        anisotropy=_anisotropy(values),
         unmapped=_unmapped(block, values, taken),
     )
-    return material, notes + opacity_notes
+    return replace(material, origins=_origins(material, block, metal=metal is not None)), notes + opacity_notes
+
+
+def _sheen(values: dict[str, tuple[float, ...]]) -> Sheen | None:
+    """White fibres of weight `Ps`."""
+    if "ps" not in values:
+        return None
+    weight = unit_interval(values["ps"][0])
+    return Sheen((weight, weight, weight))
+
+
+def _anisotropy(values: dict[str, tuple[float, ...]]) -> Anisotropy | None:
+    """`aniso` in 0..1, turned by `anisor` full turns."""
+    if "aniso" not in values:
+        return None
+    return Anisotropy(unit_interval(values["aniso"][0]), math.tau * values.get("anisor", (0.0,))[0])
+
+
+# The statements from which each field is made, the first that stands counts.
+_STATEMENTS: dict[str, tuple[str, ...]] = {
+    "base_color": ("map_kd", "kd"),
+    "base_color_texture": ("map_kd",),
+    "metallic": ("pm", "map_pm"),
+    "metallic_texture": ("map_pm",),
+    "roughness": ("map_pr", "pr"),
+    "roughness_texture": ("map_pr",),
+    "normal_texture": ("norm", "map_bump", "bump"),
+    "emissive": ("ke", "map_ke"),
+    "emissive_texture": ("map_ke",),
+    "opacity": ("d", "tr", "map_d"),
+    "opacity_texture": ("map_d",),
+    "alpha_mode": ("d", "tr", "map_d"),
+    "ior": ("ni",),
+    "clearcoat": ("pc",),
+    "clearcoat_roughness": ("pcr",),
+    "sheen.color": ("ps",),
+    "anisotropy.strength": ("aniso",),
+    "anisotropy.rotation_rad": ("anisor",),
+}
+
+
+def _origins(material: Material, block: _Block, *, metal: bool) -> dict[str, Origin]:
+    """The statement behind each value, and how sure a conversion is."""
+    origins: dict[str, Origin] = {}
+    for target, keywords in _STATEMENTS.items():
+        stated = next((block.statements[k].keyword for k in keywords if k in block.statements), None)
+        layer, _, name = target.rpartition(".")
+        holder = getattr(material, layer) if layer else material
+        if stated is not None and holder is not None and getattr(holder, name) is not None:
+            origins[target] = Origin("declared", stated)
+    if metal:
+        origins["base_color"] = origins["metallic"] = BARE_METAL
+    if "roughness" not in origins and (keyword := block.statements.get("ns")) is not None and material.roughness < 1.0:
+        origins["roughness"] = Origin("inferred", f"{keyword.keyword}: {PHONG}", PHONG_CONFIDENCE)
+    elif "roughness" not in origins and material.roughness == 1.0:
+        origins["roughness"] = Origin("inferred", "no highlight: Ks 0, or illum 0 or 1", PHONG_CONFIDENCE)
+    if block.statements.keys() & {"bump", "map_bump"} and "norm" not in block.statements and material.normal_texture:
+        origins["normal_texture"] = Origin("inferred", "bump, whose picture holds normals", PHONG_CONFIDENCE)
+    return origins
 
 
 def _values(block: _Block) -> tuple[dict[str, tuple[float, ...]], Notes]:
