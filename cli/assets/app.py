@@ -19,7 +19,7 @@ from assetkit.batch.report_file import REPORT
 from assetkit.batch.run_batch import ingest
 from assetkit.batch.suite_rows import withdrawn_roles
 from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
-from assetkit.package.record import RECORD
+from assetkit.package.record import RECORD, read_record
 from cli import text
 from cli.assets.accept import accept_command, show_exercised, show_suites
 from cli.assets.doctor import doctor_command
@@ -34,7 +34,7 @@ from cli.placement import Scheduler, placement_of
 from jobs.cache import content_key, file_sha256
 from jobs.cell import Limits
 from schemas.acceptance import SuiteSection
-from schemas.asset import AssetRecord, Role
+from schemas.asset import Role
 from schemas.diagnostics import Diagnostic, Severity
 from schemas.exercised import exercised_ranges
 from schemas.outcome import ItemOutcome
@@ -211,7 +211,8 @@ def show_command(
         text.console.print("acceptance by suites")
         sections = [SuiteSection.model_validate(suite) for suite in suites]
         show_suites(sections)
-        show_exercised(exercised_ranges(AssetRecord.model_validate(record)))
+        valid = read_record(package)  # None for one of an earlier version, which is shown as far as it goes
+        show_exercised(None if valid is None else exercised_ranges(valid))
     for role in withdrawn_roles([Diagnostic.model_validate(each) for each in record["diagnostics"]]):
         text.console.print(f"  {role.headline} ({'; '.join(role.figures)})", soft_wrap=True, markup=False)
 

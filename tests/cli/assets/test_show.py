@@ -61,3 +61,20 @@ def test_materials_and_texel_density_are_printed(tmp_path: Path) -> None:
 
 def test_a_record_of_an_earlier_version_has_no_suites(tmp_path: Path) -> None:
     assert "suites" not in shown(tmp_path, {"checks": []}, [])
+
+
+def test_ranges_over_which_all_suites_passed_are_printed(tmp_path: Path) -> None:
+    """Of a whole record; friction and mass on record are 0.4 and 0.5 kg."""
+    record = json.loads((Path(__file__).parents[2] / "data" / "record.json").read_text()) | {"asset_id": "mug"}
+    friction = record["physics"]["contacts"][0]["value"]["dynamic_friction"]
+    margins = (
+        Margin(quantity="friction", low=0.5 * friction, high=2.0 * friction, bounds=(0.1 * friction, 2.0 * friction)),
+        Margin(quantity="mass_kg", low=0.25, high=1.0, bounds=(0.25, 1.0)),
+    )
+    suite = SuiteSection(name="manipulated", outcome="passed", margins=margins)
+    record["acceptance"]["suites"] = [suite.model_dump(mode="json")]
+    (tmp_path / "mug").mkdir()
+    (tmp_path / "mug" / RECORD).write_text(json.dumps(record))
+    result = CliRunner().invoke(app, ["assets", "show", str(tmp_path / "mug")], catch_exceptions=False)
+    limits = f"friction {0.5 * friction:.3g} to {2.0 * friction:.3g} (beyond, manipulated failed)"
+    assert f"may be varied within {limits} and mass 0.25 to 1 kg" in " ".join(result.output.split())
