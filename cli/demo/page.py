@@ -19,6 +19,7 @@ from cli.demo.search import SearchDemo
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, Severity
+from schemas.exercised import exercised_ranges
 from simgap.report.html import PICTURES
 
 _CAPTIONS = {
@@ -94,5 +95,7 @@ def _card(library: Path, name: str, verdicts: dict[Path, tuple[Diagnostic, ...]]
         "extent_cm": [round(100 * e, 1) for e in record.geometry.extent_m.value],
         "chosen": next((c for c in record.physics.candidates if c.method == record.physics.collision_method), None),
         "places": [a.value for a in record.anchors],
+        "exercised": exercised_ranges(record),
+        "shaders": sorted({shader for each in record.appearance.render_materials for shader in each.shaders}),
         "valid": not any(d.severity is Severity.ERROR for d in findings),
     }
