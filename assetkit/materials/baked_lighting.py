@@ -25,6 +25,8 @@ METHOD: Final = (
     "share of the variance of log brightness within places that a quadratic of the normal predicts elsewhere"
 )
 
+_DIRECTION_STEP: Final = 0.2  # of a component of a unit normal, about 11 degrees
+
 
 @dataclass(frozen=True)
 class LightingPolicy:
@@ -34,8 +36,8 @@ class LightingPolicy:
     places            cubes along the longest side of the object; a place is one of them.
     chroma_step       width of a class of chromaticity, in r / (r + g + b): above the noise of JPEG.
     darkest, brightest  linear brightness outside which texels are clipped or too coarse to compare.
-    least_directions  of 54 directions of the surface, how many must be seen: on boxes and other shapes of few faces
-                      light looks like paint.
+    least_directions  effective number of directions of the surface: on boxes, trays and other shapes of few faces,
+                      paint that differs from face to face looks like light.
     least_points      per place; least_places  per object.
     suspected         share of the variance from which light is suspected, if places of `agreeing` of the points agree.
     """
@@ -45,7 +47,7 @@ class LightingPolicy:
     chroma_step: float = 0.03
     darkest: float = 0.004
     brightest: float = 0.95
-    least_directions: int = 16
+    least_directions: float = 16.0
     least_points: int = 20
     least_places: int = 6
     folds: int = 5
@@ -92,15 +94,14 @@ def suspicion(evidence: Evidence[float] | None, policy: LightingPolicy = POLICY)
     return (finding("asset/baked-lighting-suspected", headline, value=evidence.value, bound=policy.suspected),)
 
 
-def directions(normals: FloatArray) -> int:
-    """How many of 54 cells of a cube map hold at least one in 500 of the unit normals (n, 3)."""
-    axis = np.abs(normals).argmax(axis=1)
-    major = np.take_along_axis(normals, axis[:, None], axis=1)[:, 0]
-    others = np.stack([np.delete(np.arange(3), k) for k in range(3)])[axis]
-    minor = np.take_along_axis(normals, others, axis=1) / np.abs(major)[:, None]
-    cells = np.floor((minor + 1.0) / 2.0 * 3.0).clip(0, 2).astype(int)
-    cell = ((axis * 2 + (major > 0)) * 3 + cells[:, 0]) * 3 + cells[:, 1]
-    return int((np.bincount(cell) >= max(1.0, len(normals) / 500.0)).sum())
+def directions(normals: FloatArray) -> float:
+    """The effective number of directions of unit normals (n, 3), at 11 degrees: the inverse Simpson index.
+
+    Few large faces count as many as they are, however many small ones lie between them.
+    """
+    _, counts = np.unique(np.round(normals / _DIRECTION_STEP), axis=0, return_counts=True)
+    shares = counts / max(len(normals), 1)
+    return float(1.0 / np.sum(shares**2)) if len(normals) else 0.0
 
 
 def _samples(model: Model, most: int) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from schemas.model import Mesh, Model
 from tests.support import package_samples as samples
 
 SIZE = 128
+PATCHES = 27  # a seed whose patches a fit to all places takes for light
 WARM = np.array([0.9, 0.7, 0.5])
 
 
@@ -69,19 +71,55 @@ def test_paint_is_not_taken_for_light(seed: int) -> None:
         assert suspicion(seen) == (), seen
 
 
+def painted_box(levels: tuple[int, ...], seed: int = 0) -> Model:
+    """A box of 300 triangles a side, each side of its own grey level, with noise; the top is the last."""
+    box = trimesh.creation.box((0.1, 0.1, 0.1)).subdivide().subdivide().subdivide()
+    side = np.argmax(np.concatenate([-box.face_normals, box.face_normals], axis=1)[:, (0, 1, 3, 4, 2, 5)], axis=1)
+    noise = np.random.default_rng(seed).normal(0.0, 3.0, (4, 6, 3))
+    grey = (np.array(levels)[None, :, None] + noise).clip(0, 255).astype(np.uint8)
+    stream = io.BytesIO()
+    Image.fromarray(grey).save(stream, "PNG")
+    uvs = np.zeros((len(side), 3, 2), dtype=np.float32)
+    uvs[..., 0] = ((side + 0.5) / 6)[:, None]
+    uvs[..., 1] = np.random.default_rng(seed).random((len(side), 3))
+    mesh = samples.mesh_from(box, uvs=(uvs,), material=0)
+    material = Material("m", base_color=(1, 1, 1), base_color_texture=TextureUse("t"))
+    return samples.model([mesh], [material], [Texture("t", stream.getvalue(), "png", 6, 4)])
+
+
 def test_few_faces_tell_nothing() -> None:
-    """A box whose top is painted lighter looks as if lit from above."""
-    box = samples.box_mesh(uvs=(np.zeros((12, 3, 2), dtype=np.float32),), material=0)
-    model = ball(np.full((SIZE, SIZE), 0.5))
-    assert (
-        baked_lighting(Model((box,), model.materials, model.textures, (), model.meters_per_unit, model.up_axis)) is None
-    )
+    """A box whose top is painted lighter looks as if lit from above; without the bound it would be suspected."""
+    box = painted_box((60, 90, 80, 70, 40, 200))
+    assert baked_lighting(box) is None
+    unbounded = baked_lighting(box, replace(POLICY, least_directions=1.0))
+    assert suspicion(unbounded)
     assert baked_lighting(samples.model([samples.box_mesh()])) is None
+
+
+def test_the_fit_is_judged_in_places_that_it_has_not_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Coarse patches of paint can be fitted by chance; they are not predicted elsewhere."""
+    patches = np.kron(np.random.default_rng(PATCHES).uniform(0.2, 0.7, (4, 4)), np.ones((SIZE // 4, SIZE // 4)))
+    judged = baked_lighting(ball(patches))
+
+    def fitted(terms: np.ndarray, values: np.ndarray, places: np.ndarray, folds: int) -> np.ndarray:
+        return terms @ np.linalg.lstsq(terms, values, rcond=None)[0]
+
+    monkeypatch.setattr("assetkit.materials.baked_lighting._predicted_elsewhere", fitted)
+    seen = baked_lighting(ball(patches))
+    assert judged is not None
+    assert seen is not None
+    assert seen.value > POLICY.suspected > judged.value
 
 
 def test_directions_of_a_box_and_of_a_ball() -> None:
     axes = np.concatenate([np.eye(3), -np.eye(3)])
-    assert directions(np.repeat(axes, 50, axis=0)) == 6
-    ball_ = np.random.default_rng(0).normal(size=(5000, 3))
-    assert directions(ball_ / np.linalg.norm(ball_, axis=1, keepdims=True)) == 54
-    assert POLICY.least_directions > 6
+    assert directions(np.repeat(axes, 50, axis=0)) == pytest.approx(6.0)
+    rounded = np.concatenate([np.repeat(axes, 500, axis=0), normals_of_a_ball(60)])
+    assert directions(rounded) < POLICY.least_directions  # rounded edges make no ball of a box
+    assert directions(normals_of_a_ball(5000)) > 5 * POLICY.least_directions
+    assert directions(np.zeros((0, 3))) == 0.0
+
+
+def normals_of_a_ball(count: int) -> np.ndarray:
+    vectors = np.random.default_rng(0).normal(size=(count, 3))
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)

@@ -38,6 +38,12 @@ def test_colours_keep_their_light_and_data_its_numbers() -> None:
     assert values(resampled(board, "data", 8))[2:-2, 2:-2] == pytest.approx(127.5, abs=1.5)
 
 
+def test_an_even_colour_stays_what_it_is() -> None:
+    for level in (20, 100, 200):
+        even = texture(np.full((32, 32, 3), level, dtype=np.uint8))
+        assert values(resampled(even, "colour", 8)) == pytest.approx(level, abs=1)
+
+
 def test_normals_stay_of_length_one() -> None:
     rng = np.random.default_rng(0)
     vectors = rng.normal(size=(32, 32, 3)) * (0.6, 0.6, 0.1) + (0.0, 0.0, 0.7)

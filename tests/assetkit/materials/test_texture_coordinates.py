@@ -88,3 +88,5 @@ PICTURE = Texture("t", b"", "png", 100, 100)
 def test_weighted_percentiles_are_values_that_occur() -> None:
     ones = np.ones(4)
     assert weighted_percentiles(np.array([4.0, 1.0, 3.0, 2.0]), ones, (0.0, 0.5, 1.0)) == (1.0, 2.0, 4.0)
+    heavy = np.array([1.0, 1.0, 1.0, 9.0])  # the last value has nine twelfths of the weight
+    assert weighted_percentiles(np.array([4.0, 1.0, 3.0, 2.0]), heavy, (0.5, 0.9)) == (2.0, 3.0)
