@@ -29,7 +29,8 @@ from sim.fake import FakeSimulator
 from simgap.recording.read import read
 from tests.support.bad_inputs import gap, replay, robot, scene
 from tests.support.bad_inputs import plan as plan_bad_inputs
-from tests.support.bad_inputs.assets import NOT_FROM_A_FILE, SAMPLES
+from tests.support.bad_inputs.assets import SAMPLES
+from tests.support.bad_inputs.assets_without_a_file import NOT_FROM_A_FILE
 from tests.support.scene import library as scene_library
 
 PAGES = Path(__file__).parents[2] / "docs" / "diagnostics"

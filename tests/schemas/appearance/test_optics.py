@@ -23,7 +23,7 @@ from schemas.appearance.optics import (
     stated_values,
     unlike_plain,
 )
-from tests.support.random_materials import materials
+from tests.support.appearance.random_materials import materials
 
 GLASS = Material("glass", base_color=(0.5, 1.0, 0.5), transmission=1.0)
 

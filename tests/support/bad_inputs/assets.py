@@ -1,6 +1,6 @@
 """The smallest input for every diagnostic code: `SAMPLES[code](folder)` writes it and returns the file to ingest.
 
-Codes that no file can trigger are in `NOT_FROM_A_FILE`, with the test that triggers them.
+Codes that no file can trigger are in `assets_without_a_file`, with the test that triggers them.
 """
 
 from __future__ import annotations
@@ -15,8 +15,6 @@ from typing import Any
 import numpy as np
 import trimesh
 from PIL import Image
-
-from assetkit.acceptance.suites.table import SUITES
 
 Writer = Callable[[Path], Path]
 
@@ -338,77 +336,3 @@ SAMPLES: dict[str, Writer] = {
     "asset/upright-uncertain": text("mug.obj", obj_text(lying_cup(0.06))),
     "asset/category-contradicted": text("mug.obj", obj_text(trimesh.creation.box((2.0, 2.0, 3.0)))),
 }
-
-NOT_FROM_A_FILE: dict[str, str] = {
-    "asset/blender-missing": "tests/assetkit/readers/blend/test_read.py",
-    "asset/blend-version": "tests/assetkit/readers/blend/test_read.py",
-    "asset/mass-beyond-bounds": "tests/assetkit/acceptance/test_on_record.py",
-    "asset/anchor-lost": "tests/assetkit/acceptance/test_on_record.py",
-    "asset/stable-pose-lost": "tests/assetkit/acceptance/test_on_record.py",
-    "asset/library-package-damaged": "tests/assetkit/library/test_doctor.py",
-    "asset/library-interrupted": "tests/assetkit/library/test_doctor.py",
-    "asset/library-leftover": "tests/assetkit/library/test_doctor.py",
-    "asset/library-owner-dangling": "tests/assetkit/library/test_doctor.py",
-    "asset/library-catalog-stale": "tests/assetkit/library/test_doctor.py",
-    "asset/baked-lighting-suspected": "tests/assetkit/materials/test_baked_lighting.py",
-    "asset/worker-crashed": "tests/assetkit/test_batch.py",
-    "asset/worker-timeout": "tests/assetkit/test_batch.py",
-    "asset/worker-out-of-memory": "tests/assetkit/test_batch.py",
-    "asset/internal-error": "tests/assetkit/test_batch.py",
-    "asset/storage-failed": "tests/assetkit/test_batch.py",
-    "asset/frame-unsettled": "tests/assetkit/test_pipeline.py",
-    "asset/source-missing": "tests/assetkit/test_batch.py",
-    "asset/source-unreadable": "tests/assetkit/sources/test_discover.py",
-    "asset/output-occupied": "tests/assetkit/test_batch.py",
-    "asset/package-invalid": "tests/gate/test_static_gate.py",
-    "asset/foreign-converted": "tests/usdio/reread/test_foreign.py",
-    "asset/foreign-assumed": "tests/usdio/reread/test_foreign.py",
-    "asset/foreign-unsupported": "tests/usdio/reread/test_foreign.py",
-    "asset/simready-rule": "tests/assetkit/library/test_validate.py",
-    "asset/usd-rule": "tests/assetkit/library/test_validate.py",
-    "asset/collision-fallback": "tests/assetkit/physics/test_build.py",
-    "asset/mixed-collider": "tests/assetkit/physics/test_collider_materials.py",
-    "asset/render-collision-misaligned": "tests/assetkit/acceptance/test_judge_body.py",
-    "asset/category-outside-vocabulary": "tests/assetkit/stages/test_semantics.py",
-    "asset/annotator-unreachable": "tests/assetkit/annotate/test_multimodal.py",
-    "asset/annotator-failed": "tests/assetkit/annotate/test_multimodal.py",
-    "asset/annotator-refused": "tests/assetkit/annotate/test_multimodal.py",
-    "asset/segmenter-failed": "tests/acceptance/test_segmenter.py",
-    "asset/unstable-settling": "tests/assetkit/acceptance/test_judge_body.py",
-    "asset/reference-pose-topples": "tests/assetkit/acceptance/test_judge_body.py",
-    "asset/no-stable-pose": "tests/assetkit/acceptance/test_judge_body.py",
-    "asset/anchor-unverified": "tests/assetkit/affordances/test_anchor_trials.py",
-    "asset/no-grasp": "tests/assetkit/affordances/test_find.py",
-    "asset/grasp-not-held": "tests/assetkit/affordances/test_grasp_trials.py",
-    "asset/catalog-unreadable": "tests/assetkit/library/test_search.py",
-    "asset/joint-stuck": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/role-withdrawn": "tests/assetkit/acceptance/suites/test_roles.py",
-    "asset/joint-blocked": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/joint-overruns-limit": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/joint-axis-astray": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/joint-no-return": "tests/assetkit/acceptance/test_joint_checks.py",
-    "asset/joint-unstable": "tests/assetkit/acceptance/test_joint_checks.py",
-    "asset/joint-penetration": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/joint-contact-astray": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/joint-probe-lost": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/joint-not-exercised": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/links-interpenetrate": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/twin-disagrees": "tests/assetkit/acceptance/test_judge_joints.py",
-    "asset/colliders-trimmed": "tests/assetkit/physics/test_link_clearance.py",
-    "asset/links-filtered": "tests/assetkit/physics/test_link_clearance.py",
-    "asset/joint-damping-implausible": "tests/assetkit/geometry/test_joint_damping.py",
-    "asset/handle-astray": "tests/assetkit/acceptance/suites/test_fixture.py",
-    "asset/handle-forced": "tests/assetkit/acceptance/suites/test_fixture.py",
-    "asset/handle-lost": "tests/assetkit/acceptance/suites/test_fixture.py",
-    "asset/handle-not-opened": "tests/assetkit/acceptance/suites/test_fixture.py",
-    "asset/handle-not-returned": "tests/assetkit/acceptance/suites/test_fixture.py",
-    "asset/handle-not-taken": "tests/assetkit/acceptance/suites/test_fixture.py",
-    "asset/handle-unstable": "tests/assetkit/acceptance/suites/test_fixture.py",
-    "asset/missing-joint": "tests/assetkit/library/test_animate_joints.py",
-    "asset/report-unreadable": "tests/assetkit/batch/test_decisions.py",
-    "asset/decided-by-person": "tests/assetkit/batch/test_decisions.py",
-    "asset/decision-overruled": "tests/assetkit/batch/test_decisions.py",
-    "asset/decision-outdated": "tests/assetkit/batch/test_decisions.py",
-    "asset/decision-unreadable": "tests/assetkit/batch/test_decisions.py",
-    "asset/name-sanitised": "tests/usdio/write/test_source_names.py",
-} | {code: f"tests/assetkit/acceptance/suites/test_{suite.name}.py" for suite in SUITES for code in suite.codes}

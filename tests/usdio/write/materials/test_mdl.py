@@ -13,7 +13,7 @@ from pxr import Sdf, Usd, UsdShade
 from gate.rules.visual.shader_node import USD_TYPES, shader_inputs
 from schemas.appearance.material import Material, Specular, TextureUse, Volume
 from schemas.appearance.optics import effective
-from tests.support.random_materials import IMAGES, materials
+from tests.support.appearance.random_materials import IMAGES, materials
 from usdio.write.materials.mesh_materials import MeshMaterial
 from usdio.write.materials.modules import MODULE_FILES, module_sources
 from usdio.write.materials.network import Network, TextureFiles

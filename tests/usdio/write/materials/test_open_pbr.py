@@ -15,8 +15,8 @@ from pxr import Sdf, Usd, UsdShade
 from gate.rules.visual.shader_node import USD_TYPES
 from schemas.appearance.material import Iridescence, Material, Sheen, TextureUse, Volume
 from schemas.appearance.optics import effective
-from tests.support.material_x import placed, value_of
-from tests.support.random_materials import IMAGES, materials
+from tests.support.appearance.material_x import placed, value_of
+from tests.support.appearance.random_materials import IMAGES, materials
 from usdio.write.materials.mesh_materials import MeshMaterial
 from usdio.write.materials.network import Network, TextureFiles
 from usdio.write.materials.open_pbr import OPEN_PBR

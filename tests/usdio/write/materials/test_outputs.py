@@ -8,7 +8,7 @@ from hypothesis import given, settings
 
 from schemas.appearance.material import Material, Sheen, TextureUse
 from schemas.appearance.optics import effective, optics_of
-from tests.support.random_materials import IMAGES, materials
+from tests.support.appearance.random_materials import IMAGES, materials
 from usdio.write.materials.mesh_materials import MeshMaterial
 from usdio.write.materials.outputs import OUTPUTS, lost_by_shader, outputs_of
 

@@ -13,7 +13,7 @@ from pxr import Sdf, Usd, UsdShade
 
 from schemas.appearance.material import Material, TextureUse
 from schemas.appearance.optics import effective
-from tests.support.random_materials import IMAGES, color, half, unit
+from tests.support.appearance.random_materials import IMAGES, color, half, unit
 from tests.support.usd_files import QUAD, material_of, write
 from usdio.write.materials.mesh_materials import MeshMaterial
 from usdio.write.materials.network import Network, TextureFiles

@@ -1,0 +1,1 @@
+"""Materials for tests: drawn at random, and read from MaterialX networks."""
