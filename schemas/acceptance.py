@@ -8,6 +8,8 @@ from pydantic import BaseModel, ConfigDict
 
 from schemas.evidence import Evidence
 
+Quantity = Literal["friction", "mass_kg"]  # what acceptance varies: friction of the own surface, mass
+
 
 class _Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -43,7 +45,7 @@ class Margin(_Section):
     `friction` is that of the object's own surface, `mass_kg` in kilograms; the other quantity has its value on record.
     """
 
-    quantity: Literal["friction", "mass_kg"]
+    quantity: Quantity
     low: float
     high: float
     bounds: tuple[float, float]

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from schemas.acceptance import Corner, SuiteSection
+from schemas.acceptance import Corner, Quantity, SuiteSection
 from schemas.asset import AssetRecord
-
-Quantity = Literal["friction", "mass_kg"]
 
 
 class ExercisedRange(BaseModel):

@@ -130,7 +130,7 @@ def _in_cell(candidate: SourceAsset, batch: Batch, note: Path) -> ReportItem:
     if stored is None:
         stored = result_store.StoredResult(item=_lost(candidate, result, batch.limits), main_sha256=main_sha256)
     if result.status != "cancelled":
-        follows = is_storable(stored.item)
+        follows = is_storable(stored.item) and result.status != "lost"  # A machine that died says nothing of a source.
         ownership.record_ownership(candidate, stored.item.packages, batch.out, complete=follows)
         # A source that was written to meanwhile has another hash, and which content was read is not known.
         if follows and stored.main_sha256 == main_sha256:

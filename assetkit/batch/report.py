@@ -45,7 +45,7 @@ def write_report(batch: FinishedBatch, items: FinishedItems) -> None:
     before, after = shell.split("@rows@")
     with temporary.open("w", encoding="utf-8", errors="backslashreplace") as page:
         page.write(before)
-        for number, group in enumerate(batched_items(items, ITEMS_PER_FILE)):
+        for number, group in enumerate(_groups(items, ITEMS_PER_FILE)):
             cards = [(item, _cards(batch.out, item)) for item in group]
             page.write("".join(f"{_script(_row(item, shown))},\n" for item, shown in cards))
             texts = [environment.get_template("details.html").render(item=item, cards=shown) for item, shown in cards]
@@ -57,7 +57,7 @@ def write_report(batch: FinishedBatch, items: FinishedItems) -> None:
     temporary.replace(batch.out / PAGE)
 
 
-def batched_items(items: Iterable[ReportItem], size: int) -> Iterator[list[ReportItem]]:
+def _groups(items: Iterable[ReportItem], size: int) -> Iterator[list[ReportItem]]:
     """The items in lists of `size`, the last one perhaps shorter."""
     group: list[ReportItem] = []
     for item in items:

@@ -14,7 +14,7 @@ from typing import cast
 import pytest
 
 from assetkit.acceptance import judge_package
-from assetkit.batch import ownership, result_store, worker
+from assetkit.batch import item_cells, ownership, result_store, worker
 from assetkit.batch.item_cells import Batch, run_items
 from assetkit.batch.run_batch import run_batch
 from assetkit.options import Options
@@ -26,7 +26,7 @@ from assetkit.stage_log import Entry, StageLog
 from assetkit.stages.appearance import NormalizeAppearance
 from cli.engines import SIMULATOR
 from gate.static_gate import gate
-from jobs.cell import Limits
+from jobs.cell import CellResult, Limits
 from jobs.placement import Placement
 from schemas.diagnostics import Diagnostic, finding
 from schemas.outcome import ItemOutcome, Outcome, Repair
@@ -192,6 +192,22 @@ def test_packages_survive_an_error_of_the_storage(tmp_path: Path):
     assert (tmp_path / "mug").exists()
     ownership.record_ownership(mug, [], tmp_path)
     assert not (tmp_path / "mug").exists()
+
+
+def test_a_lost_machine_is_no_verdict_and_takes_no_package_along(
+    sources: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """A worker of a cluster may die several times in a row; the source is made by the next run."""
+    this = batch(tmp_path / "out", resume=True)
+    [one] = [candidate for candidate in discover([sources]) if candidate.asset_id == "a"]
+    release.publish(package(this.out, "a"), this.out / "a")
+    ownership.record_ownership(one, ["a"], this.out)
+    with monkeypatch.context() as lost:
+        ended = CellResult("lost", 0, "the workers that ran it died", 0.0)
+        lost.setattr(item_cells, "run_cell", lambda *_, **__: ended)
+        assert run(sources, this)["a"].codes == ("asset/worker-crashed",)
+    assert (this.out / "a").is_dir()
+    assert run(sources, this)["a"].outcome is ItemOutcome.ACCEPTED
 
 
 CUBE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n" + (

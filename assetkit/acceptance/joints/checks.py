@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -96,15 +96,22 @@ def judge_contact(
     """Whether a collider of the link is where a hand takes hold; `distance_m` is how far the nearest one lies."""
     placed = [moved_shape(shape, pose(None, origin)) for shape in body.shapes]
     bound = max(POLICY.contact_m, POLICY.contact_share * diagonal(placed)) if placed else 0.0
-    name = f"joint.{joint.name}.contact_to_collider"
-    passed = distance_m <= bound
-    check = Check(name=name, value=min(distance_m, NOT_FINITE), bound=bound, unit="m", passed=passed)
+    headline = f"is to be moved by its {contact.kind}, which has no collider"
+    judged = _within(joint, "contact_to_collider", distance_m, bound, "m", "asset/joint-contact-astray", headline)
+    return replace(judged, review=bool(judged.diagnostics))
+
+
+def _within(
+    joint: MechanismJoint, figure: str, value: float, bound: float, unit: str, code: str, headline: str
+) -> JudgedJoint:
+    """A check that `value` is at most `bound`, with a finding on the joint where it is not."""
+    name, passed = f"joint.{joint.name}.{figure}", value <= bound
+    check = Check(name=name, value=min(value, NOT_FINITE), bound=bound, unit=unit, passed=passed)
     if passed:
         return JudgedJoint((check,), ())
-    headline = f"joint '{joint.source_name or joint.name}' is to be moved by its {contact.kind}, which has no collider"
     where = joint.where or Location(prim=joint.name)
-    astray = finding("asset/joint-contact-astray", headline, where=where, value=check.value, bound=bound, unit="m")
-    return JudgedJoint((check,), (astray,), review=True)
+    text = f"joint '{joint.source_name or joint.name}' {headline}"
+    return JudgedJoint((check,), (finding(code, text, where=where, value=check.value, bound=bound, unit=unit),))
 
 
 def _unstable(subject: JointSubject, ratio: float) -> JudgedJoint:
@@ -174,16 +181,8 @@ def _range(subject: JointSubject) -> JudgedJoint:
 
 def judge_damping(joint: MechanismJoint, force_n: float) -> JudgedJoint:
     """Whether a hand can move the joint against its damping; `force_n` is what that takes, over the range in 10 s."""
-    bound, name = POLICY.damping_n, f"joint.{joint.name}.damping_force"
-    passed = force_n <= bound
-    check = Check(name=name, value=min(force_n, NOT_FINITE), bound=bound, unit="N", passed=passed)
-    if passed:
-        return JudgedJoint((check,), ())
-    headline = f"joint '{joint.source_name or joint.name}' takes {force_n:.3g} N to move slowly against its damping"
-    where = joint.where or Location(prim=joint.name)
-    return JudgedJoint(
-        (check,), (finding("asset/joint-stuck", headline, where=where, value=check.value, bound=bound, unit="N"),)
-    )
+    headline = f"takes {force_n:.3g} N to move slowly against its damping"
+    return _within(joint, "damping_force", force_n, POLICY.damping_n, "N", "asset/joint-stuck", headline)
 
 
 def _in_the_way(subject: JointSubject, furthest: float, end: float) -> LinkOverlap | None:

@@ -11,14 +11,11 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import Literal
 
 from assetkit.acceptance.suites.policy import POLICY
 from assetkit.acceptance.suites.suite import Conditions, Subject, Suite
-from schemas.acceptance import Check, Corner, Margin
+from schemas.acceptance import Check, Corner, Margin, Quantity
 from sim.port import Simulator
-
-Quantity = Literal["friction", "mass_kg"]
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,11 @@ import numpy as np
 
 from assetkit.readers.collada.xml import Document, Element
 from assetkit.readers.common.phong import (
-    BARE_METAL,
-    PHONG,
     PHONG_CONFIDENCE,
     bare_metal,
     ior_or_default,
     linear_rgb,
+    origins_of,
     roughness_from_exponent,
     unit_interval,
 )
@@ -73,8 +72,12 @@ def read_material(
         ior=ior_or_default(floats.get("index_of_refraction")),
         unmapped=_unmapped(shader, colors, floats, uses),
     )
-    stated = {*colors, *floats, *uses, *({"double_sided"} if result.double_sided else ())}
-    return replace(result, origins=_origins(result, shader, stated, metal=metal is not None))
+    tags = [*colors, *floats, *uses, *(["double_sided"] if result.double_sided else [])]
+    stated = {tag: f"{shader.tag}: {tag}" for tag in tags}
+    origins = origins_of(result, _ELEMENTS, stated, exponent="shininess", metal=metal is not None)
+    if result.normal_texture is not None:
+        origins["normal_texture"] = Origin("inferred", "bump, whose picture holds normals", PHONG_CONFIDENCE)
+    return replace(result, origins=origins)
 
 
 # The elements from which each field is made, the first that stands counts.
@@ -89,24 +92,6 @@ _ELEMENTS: dict[str, tuple[str, ...]] = {
     "double_sided": ("double_sided",),
     "ior": ("index_of_refraction",),
 }
-
-
-def _origins(material: Material, shader: Element, stated: set[str], *, metal: bool) -> dict[str, Origin]:
-    """The element behind each value, and how sure a conversion is."""
-    origins: dict[str, Origin] = {}
-    for field, tags in _ELEMENTS.items():
-        tag = next((tag for tag in tags if tag in stated), None)
-        if tag is not None and getattr(material, field) is not None:
-            origins[field] = Origin("declared", f"{shader.tag}: {tag}")
-    if metal:
-        origins["base_color"] = origins["metallic"] = BARE_METAL
-    if "shininess" in stated and material.roughness < 1.0:
-        origins["roughness"] = Origin("inferred", f"shininess: {PHONG}", PHONG_CONFIDENCE)
-    elif material.roughness == 1.0:
-        origins["roughness"] = Origin("inferred", f"{shader.tag} without a highlight", PHONG_CONFIDENCE)
-    if material.normal_texture is not None:
-        origins["normal_texture"] = Origin("inferred", "bump, whose picture holds normals", PHONG_CONFIDENCE)
-    return origins
 
 
 def _values(

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from schemas.appearance.conversions import srgb_to_linear
-from schemas.appearance.material import LinearRGB, Origin
+from schemas.appearance.material import LinearRGB, Material, Origin
 
-PHONG = "Blinn-Phong exponent as Beckmann width (Walter et al. 2007)"
+_PHONG = "Blinn-Phong exponent as Beckmann width (Walter et al. 2007)"
 PHONG_CONFIDENCE = 0.6  # Exporters write exponents of their own defaults, and lobes differ.
 BARE_METAL = Origin("inferred", "black diffuse colour under a bright specular one: a bare metal", PHONG_CONFIDENCE)
 _MOST_BLACK, _LEAST_BRIGHT = 0.03, 0.25  # linear; paints reflect more and highlights of dielectrics less
@@ -24,6 +24,35 @@ def bare_metal(diffuse: Sequence[float] | None, specular: Sequence[float] | None
         return None
     paint, mirror = linear_rgb(diffuse), linear_rgb(specular)
     return mirror if max(paint) <= _MOST_BLACK and max(mirror) >= _LEAST_BRIGHT else None
+
+
+def origins_of(
+    material: Material,
+    properties: Mapping[str, Sequence[str]],
+    stated: Mapping[str, str],
+    *,
+    exponent: str,
+    metal: bool,
+) -> dict[str, Origin]:
+    """The property behind each value of a Phong material, and how sure a conversion is.
+
+    `properties` lists those from which each field is made, of which the first that is `stated` counts; `stated` gives
+    its name in the file. `exponent` is that of the highlight, `metal` whether the surface was taken for a bare metal.
+    """
+    origins: dict[str, Origin] = {}
+    for field, keys in properties.items():
+        name = next((stated[key] for key in keys if key in stated), None)
+        layer, _, value = field.rpartition(".")
+        holder = getattr(material, layer) if layer else material
+        if name is not None and holder is not None and getattr(holder, value) is not None:
+            origins[field] = Origin("declared", name)
+    if metal:
+        origins["base_color"] = origins["metallic"] = BARE_METAL
+    if "roughness" not in origins and material.roughness == 1.0:
+        origins["roughness"] = Origin("inferred", "a surface without a highlight", PHONG_CONFIDENCE)
+    elif "roughness" not in origins and exponent in stated:
+        origins["roughness"] = Origin("inferred", f"{stated[exponent]}: {_PHONG}", PHONG_CONFIDENCE)
+    return origins
 
 
 def roughness_from_exponent(exponent: float) -> float:

@@ -38,6 +38,9 @@ def with_specular_glossiness(extension: Json, values: MaterialValues, textures: 
     alpha_use = None
     if not opaque and color_used is not None and color_used[1].extension == "png":  # JPEG has no alpha.
         alpha_use = replace(color_used[0], channel="a")
+        values.declare("opacity_texture", "alpha of KHR_materials_pbrSpecularGlossiness.diffuseTexture")
+    if not opaque:
+        values.declare("opacity", "alpha of KHR_materials_pbrSpecularGlossiness.diffuseFactor")
     base = replace(base, opacity=1.0 if opaque else alpha, opacity_texture=alpha_use)
     if used is None:
         if color_use is None:

@@ -13,12 +13,11 @@ from typing import Any, Literal
 
 from assetkit.readers.common.corners import Notes, repaired
 from assetkit.readers.common.phong import (
-    BARE_METAL,
-    PHONG,
     PHONG_CONFIDENCE,
     bare_metal,
     ior_or_default,
     linear_rgb,
+    origins_of,
     roughness_from_exponent,
     unit_interval,
 )
@@ -185,19 +184,8 @@ _STATEMENTS: dict[str, tuple[str, ...]] = {
 
 def _origins(material: Material, block: _Block, *, metal: bool) -> dict[str, Origin]:
     """The statement behind each value, and how sure a conversion is."""
-    origins: dict[str, Origin] = {}
-    for target, keywords in _STATEMENTS.items():
-        stated = next((block.statements[k].keyword for k in keywords if k in block.statements), None)
-        layer, _, name = target.rpartition(".")
-        holder = getattr(material, layer) if layer else material
-        if stated is not None and holder is not None and getattr(holder, name) is not None:
-            origins[target] = Origin("declared", stated)
-    if metal:
-        origins["base_color"] = origins["metallic"] = BARE_METAL
-    if "roughness" not in origins and (keyword := block.statements.get("ns")) is not None and material.roughness < 1.0:
-        origins["roughness"] = Origin("inferred", f"{keyword.keyword}: {PHONG}", PHONG_CONFIDENCE)
-    elif "roughness" not in origins and material.roughness == 1.0:
-        origins["roughness"] = Origin("inferred", "no highlight: Ks 0, or illum 0 or 1", PHONG_CONFIDENCE)
+    stated = {key: statement.keyword for key, statement in block.statements.items()}
+    origins = origins_of(material, _STATEMENTS, stated, exponent="ns", metal=metal)
     if block.statements.keys() & {"bump", "map_bump"} and "norm" not in block.statements and material.normal_texture:
         origins["normal_texture"] = Origin("inferred", "bump, whose picture holds normals", PHONG_CONFIDENCE)
     return origins

@@ -79,7 +79,7 @@ def test_sheen_and_anisotropy_of_mtl_have_fields(tmp_path: Path):
     [
         ("Kd 1 1 1\nPr 0.3", "declared", "Pr"),
         ("Kd 1 1 1\nNs 50", "inferred", "Ns: "),
-        ("Kd 1 1 1\nKs 0 0 0", "inferred", "no highlight"),
+        ("Kd 1 1 1\nKs 0 0 0", "inferred", "a surface without a highlight"),
     ],
 )
 def test_the_origin_of_roughness_tells_statement_from_conversion(
