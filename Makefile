@@ -36,6 +36,7 @@ test-long: $(STAMP) peers
 	$(PYTEST) -m long
 
 peers: $(MUJOCO_USD_STAMP) $(TORCH_STAMP)
+	$(BIN)/mana setup blender
 
 check: lint types layers
 

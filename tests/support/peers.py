@@ -11,7 +11,7 @@ import os
 import subprocess
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 ROOT = Path(__file__).parents[2]
 ENVIRONMENTS = {"mujoco-usd": ROOT / ".venv-mujoco-usd", "torch": ROOT / ".venv-torch"}
@@ -21,11 +21,23 @@ def peer_python(name: str) -> Path:
     """The Python interpreter of a peer's environment; skips the calling test, or fails it on CI, where it is absent."""
     python = ENVIRONMENTS[name] / "bin" / "python"
     if not python.exists():
-        import pytest
-
-        absent = f"the environment of {name} is not installed: `make peers` brings it"
-        pytest.fail(absent) if os.environ.get("CI") else pytest.skip(absent)
+        _absent(name)
     return python
+
+
+def needs_blender() -> None:
+    """Skips the calling test, or fails it on CI, where `mana setup blender` was not run."""
+    from assetkit.blender import environment
+
+    if environment.python() is None:
+        _absent("Blender")
+
+
+def _absent(name: str) -> NoReturn:
+    import pytest
+
+    absent = f"the environment of {name} is not installed: `make peers` brings it"
+    pytest.fail(absent) if os.environ.get("CI") else pytest.skip(absent)
 
 
 def answer_of(name: str, script: str, request: object, timeout_s: float) -> Any:

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from assetkit.blender import environment
 from assetkit.geometry.edits import EDITS
 from assetkit.geometry.repair import repair_geometry
 from assetkit.readers.by_format import MESH_FILES, READERS
@@ -17,6 +16,7 @@ from assetkit.sources.source_file import SourceFile
 from geom.solid.solidify import solidify
 from schemas.codes import CODES
 from tests.conftest import SHARED
+from tests.support.peers import needs_blender
 from tests.support.sample_surfaces import ball, box, cylinder, inside_out, lidless, mesh_of, together, without
 
 ASSETS = SHARED / "assets"
@@ -164,8 +164,7 @@ def test_the_same_meshes_give_the_same_result() -> None:
         assert first.meshes[0].triangles.tobytes() == second.meshes[0].triangles.tobytes()
 
 
-# A description is many surfaces that move; each link is judged alone. Blender reads .blend, where it is set up.
-SURFACES = {row.name for row in MESH_FILES} - (set() if environment.python() else {"blend"})
+SURFACES = {row.name for row in MESH_FILES}  # A description is many surfaces that move; each link is judged alone.
 
 
 def corpus() -> list[dict[str, str]]:
@@ -186,6 +185,8 @@ def corpus() -> list[dict[str, str]]:
 @pytest.mark.shared
 @pytest.mark.parametrize("row", corpus(), ids=lambda row: row["id"])
 def test_corpus(row: dict[str, str]) -> None:
+    if row["format"] == "blend":
+        needs_blender()
     path = ASSETS / row["path"]
     model = READERS[row["format"]](SourceFile(path, path.parents[len(Path(row["path"]).parts) - 3])).value
     assert model is not None

@@ -1,6 +1,6 @@
 """What is known of a .blend file before Blender opens it, and what comes out where Blender is set up.
 
-The first needs no Blender: the worker parses blocks, which any Python does.
+The first needs no Blender: the worker parses blocks, which any Python does. The second is skipped where it is absent.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from assetkit.sources.discover import discover
 from assetkit.sources.source_file import SourceFile
 from schemas.diagnostics import InvalidInput
 from tests.conftest import SHARED
+from tests.support.peers import needs_blender
 
 NAME = b"LIother.blend\0".ljust(66, b"\0")
 
@@ -102,14 +103,12 @@ def test_a_linked_library_is_a_part_of_the_file_that_links_to_it(tmp_path: Path)
     assert (found.file.path.name, found.file.root) == ("cup.blend", tmp_path)
 
 
-BLENDER = pytest.mark.skipif(environment.python() is None, reason="Blender is not set up (`mana setup blender`)")
 CASES = SHARED / "assets" / "malformed" / "blend"
 
 
-@BLENDER
 @pytest.mark.shared
-@pytest.mark.skipif(not CASES.is_dir(), reason="no shared assets")
 def test_scripts_in_a_file_never_run():
+    needs_blender()
     folder = CASES / "gen_blend_autorun_script"
     before = sorted(os.listdir(folder))
     model = read_blend(SourceFile(folder / "part.blend", folder)).value
@@ -118,10 +117,9 @@ def test_scripts_in_a_file_never_run():
     assert model.triangle_count == 12
 
 
-@BLENDER
 @pytest.mark.shared
-@pytest.mark.skipif(not CASES.is_dir(), reason="no shared assets")
 def test_units_of_the_scene_are_declared_and_its_points_left_alone():
+    needs_blender()
     folder = CASES / "gen_blend_unit_scale"
     model = read_blend(SourceFile(folder / "toolbox.blend", folder)).value
     assert model is not None
