@@ -78,12 +78,24 @@ class MeshReference:
 
 @dataclass(frozen=True)
 class DescribedMaterial:
-    """Colour (sRGB and opacity, 0..1; None: not stated) and texture file (as written, "" for none) of a shape."""
+    """Colour (sRGB and opacity, 0..1; None: not stated) and texture file (as written, "" for none) of a shape.
+
+    The numbers are MJCF's, 0..1, None where the file leaves them out: `shininess` times 128 is a Blinn-Phong exponent,
+    `emission` a factor on the colour. `layers` are further texture files by role (MJCF `<layer>`), `unread` attributes
+    as written that no field holds.
+    """
 
     name: str
     rgba: tuple[float, float, float, float] | None = None
     texture: str = ""
     source: SourceLine = NOWHERE
+    metallic: float | None = None
+    roughness: float | None = None
+    specular: float | None = None
+    shininess: float | None = None
+    emission: float | None = None
+    layers: tuple[tuple[str, str], ...] = ()
+    unread: tuple[tuple[str, str], ...] = ()
 
 
 class ShapeFriction(NamedTuple):

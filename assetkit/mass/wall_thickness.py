@@ -35,6 +35,5 @@ def wall_evidence(
 
 def _hinted(materials: Sequence[Material], meters_per_unit: float) -> float:
     """The largest thickness that a material states (m), 0 when none does."""
-    volumes = [material.unmapped.get("KHR_materials_volume", {}) for material in materials]
-    stated = [volume.get("thicknessFactor") for volume in volumes]
-    return max((value * meters_per_unit for value in stated if isinstance(value, int | float)), default=0.0)
+    thicknesses = [material.volume.thickness for material in materials if material.volume is not None]
+    return max(thicknesses, default=0.0) * meters_per_unit

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from assetkit.materials.baked_lighting import baked_lighting, suspicion
 from assetkit.materials.material_records import material_records
+from assetkit.materials.normal_maps import with_green_up
 from assetkit.materials.ranges import Change, limited
 from assetkit.materials.surface_colours import surface_colours
 from assetkit.materials.texel_density import texel_density
@@ -34,7 +35,8 @@ def normalize(
     The points of `model` are in metres already; `meters_per_unit` is the unit of the lengths that materials state
     (None: metres), `max_texture` the most pixels a side of a texture (None: as they are).
     """
-    known = {texture.name for texture in model.textures}
+    pictures = {texture.name: texture for texture in model.textures}
+    known = set(pictures)
     diagnostics: list[Diagnostic] = []
     repairs: list[Repair] = []
     materials: list[Material] = []
@@ -43,8 +45,13 @@ def normalize(
         if changes:
             diagnostics += [_out_of_range(material, change) for change in changes]
             repairs.append(_clamped(changes))
-        materials.append(in_metres(with_known_textures(clean, known), meters_per_unit))
-    textures, reduced = within_budget(model.textures, materials, max_texture)
+        upright, ways = with_green_up(with_known_textures(clean, known), pictures)
+        for field, way in ways.items():
+            if way.green == "down":
+                diagnostics.append(_green_down(material, field, way.correlation))
+                repairs += _turning(material, field)
+        materials.append(in_metres(upright, meters_per_unit))
+    textures, reduced = within_budget(tuple(pictures.values()), materials, max_texture)
     diagnostics += [_smaller(change, max_texture) for change in reduced]
     repairs += [_resampling(change) for change in reduced]
     released = replace(model, materials=tuple(materials), textures=textures)
@@ -56,7 +63,7 @@ def with_known_textures(material: Material, known: set[str]) -> Material:
     """The material without uses of textures that could not be loaded; their loss was reported when reading."""
     for field, use in material.texture_uses.items():
         if use.texture not in known:
-            material = _with(material, field, None)
+            material = material.with_value(field, None)
     return material
 
 
@@ -95,12 +102,18 @@ def _section(model: Model) -> tuple[AppearanceSection, tuple[Diagnostic, ...]]:
     return section, (*dropped, *check_coordinates(model), *suspicion(lighting))
 
 
-def _with(material: Material, field: str, value: object) -> Material:
-    """The material with one field, of layers as "sheen.color", replaced."""
-    layer, _, name = field.rpartition(".")
-    if not layer:
-        return replace(material, **{name: value})
-    return replace(material, **{layer: replace(getattr(material, layer), **{name: value})})
+def _green_down(material: Material, field: str, correlation: float) -> Diagnostic:
+    outcome = "turned" if material.normal_green == "undeclared" else "kept, since the format defines it as up"
+    headline = f"green of {field} of material '{material.name}' points down: {outcome}"
+    where = Location(prim=material.name)
+    return finding("asset/normal-map-green-down", headline, where=where, value=round(correlation, 2))
+
+
+def _turning(material: Material, field: str) -> list[Repair]:
+    if material.normal_green != "undeclared":
+        return []
+    before: dict[str, float | int | str] = {field: material.texture_uses[field].texture}
+    return [Repair(name="turn_normal_map", code="asset/normal-map-green-down", stage=STAGE, before=before)]
 
 
 def _out_of_range(material: Material, change: Change) -> Diagnostic:

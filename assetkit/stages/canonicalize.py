@@ -11,7 +11,7 @@ class Canonicalize(Stage):
     """Brings an object into its metric frame and mends what is broken; every edit has figures before and after."""
 
     name = "canonicalize"
-    version = 9
+    version = 10
     result = Canonical
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Canonical]:

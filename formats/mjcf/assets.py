@@ -6,14 +6,17 @@ from pathlib import Path, PurePosixPath
 
 import numpy as np
 
-from formats.attributes import numbers, vector
+from formats.attributes import Attributes, number, numbers, vector
 from formats.mesh_files import mesh_file
 from formats.mjcf.defaults import Defaults
 from formats.mjcf.settings import CompilerSettings, asset_name
 from formats.xml_elements import Element, refuse
 from schemas.diagnostics import Diagnostic, Severity, finding
-from schemas.robot_description import DescribedMaterial, MeshReference
+from schemas.robot_description import DescribedMaterial, MeshReference, SourceLine
 
+_SHARES = ("metallic", "roughness", "specular", "shininess", "emission")
+# MuJoCo places 2d textures without texture coordinates by these; reflectance is a mirror image in planes and boxes.
+_NOT_READ = ("texrepeat", "texuniform", "reflectance")
 _ONE, _ZERO, _IDENTITY = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
 
 
@@ -52,8 +55,21 @@ class Assets:
         a, name = self.defaults.attributes(element, ""), element.get("name")
         self._note_twice(name, self.materials, element)
         red, green, blue, opacity = numbers(a, "rgba", 4, (1.0,) * 4, element.source)
-        texture = self._textures.get(a.get("texture", ""), "")
-        material = DescribedMaterial(name, (red, green, blue, opacity), texture, element.source)
+        layers = {layer.get("role"): self._textures.get(layer.get("texture"), "") for layer in element.named("layer")}
+        color_map = a.get("texture", "")
+        texture = self._textures.get(color_map) or layers.pop("rgb", "") or layers.pop("rgba", "")
+        unread = [(key, a[key]) for key in _NOT_READ if key in a]
+        if color_map in self._textures and not self._textures[color_map]:
+            unread.append(("texture", f"{color_map}, which has no file"))  # drawn by MuJoCo, or a cube map
+        material = DescribedMaterial(
+            name,
+            (red, green, blue, opacity),
+            texture,
+            element.source,
+            **{key: _share(a, key, element.source) for key in _SHARES},
+            layers=tuple((role, file) for role, file in layers.items() if file),
+            unread=tuple(unread),
+        )
         self.materials.setdefault(name, material)
 
     def _note_twice(self, name: str, known: dict[str, str] | dict[str, DescribedMaterial], element: Element) -> None:
@@ -105,3 +121,9 @@ class Assets:
             problem,
             source,
         )
+
+
+def _share(a: Attributes, key: str, source: SourceLine) -> float | None:
+    """A number that MuJoCo takes for unstated where it is negative."""
+    value = number(a, key, -1.0, source)
+    return value if value >= 0.0 else None

@@ -6,6 +6,7 @@ mujoco.readthedocs.io/en/stable/XMLreference.html#body-geom.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -136,4 +137,4 @@ def _material(a: Attributes, source: SourceLine, place: str, assets: Assets) -> 
     if "rgba" not in a:
         return material
     red, green, blue, opacity = numbers(a, "rgba", 4, None, source)
-    return DescribedMaterial(name, (red, green, blue, opacity), material.texture if material else "", source)
+    return replace(material or DescribedMaterial(name), rgba=(red, green, blue, opacity), source=source)

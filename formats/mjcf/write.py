@@ -160,6 +160,10 @@ class _Writing:
         if not material.name:
             return rgba
         xml = element("material", name=material.name, **rgba)
+        for key in ("metallic", "roughness", "specular", "shininess", "emission"):
+            value = getattr(material, key)
+            if value is not None:
+                xml.attributes[key] = number_text(value)
         if material.texture:
             self.textures[material.name] = element("texture", name=material.name, type="2d", file=material.texture)
             xml.attributes["texture"] = material.name

@@ -6,13 +6,14 @@ All values are immutable; editing means `dataclasses.replace`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any, Literal
 
 from schemas.evidence import Source
 
 Channel = Literal["r", "g", "b", "a", "rgb"]
 AlphaMode = Literal["opaque", "mask", "blend"]
+NormalGreen = Literal["up", "undeclared"]
 LinearRGB = tuple[float, float, float]
 WHITE: LinearRGB = (1.0, 1.0, 1.0)
 
@@ -127,8 +128,10 @@ class Material:
     scalar beside it. A layer is None where the surface has none.
 
     `dispersion` is 20 divided by the Abbe number (KHR_materials_dispersion). `unlit` surfaces show their base colour
-    whatever the light. `origins` gives the origin of values by field, of layers as "sheen.color". `unmapped` keeps
-    every source property that has no field here, as plain JSON, so that nothing is lost silently.
+    whatever the light. `normal_green` is whether the source defines that green of its normal maps is up along v
+    (OpenGL's way, which all maps of released materials have), or leaves it open. `origins` gives the origin of values
+    by field, of layers as "sheen.color". `unmapped` keeps every source property that has no field here, as plain JSON,
+    so that nothing is lost silently.
     """
 
     name: str
@@ -140,6 +143,7 @@ class Material:
     roughness_texture: TextureUse | None = None
     normal_texture: TextureUse | None = None
     normal_scale: float = 1.0
+    normal_green: NormalGreen = "up"
     occlusion_texture: TextureUse | None = None
     emissive: LinearRGB = (0.0, 0.0, 0.0)
     emissive_texture: TextureUse | None = None
@@ -172,6 +176,13 @@ class Material:
     def texture_uses(self) -> dict[str, TextureUse]:
         """Every texture use by its field, of layers as "sheen.color_texture", in the order of the fields."""
         return _texture_uses(self, "")
+
+    def with_value(self, field_name: str, value: Any) -> Material:
+        """The material with one field, of layers as "sheen.color", replaced."""
+        layer, _, name = field_name.rpartition(".")
+        if not layer:
+            return replace(self, **{name: value})
+        return replace(self, **{layer: replace(getattr(self, layer), **{name: value})})
 
 
 def _texture_uses(layer: Any, prefix: str) -> dict[str, TextureUse]:

@@ -151,6 +151,13 @@ SHAPE_CODES: dict[str, CodeInfo] = {
         "The look may differ; the source values are kept in the record.",
         "nothing; see `appearance` in the record",
     ),
+    "asset/normal-map-green-down": CodeInfo(
+        "info",
+        "Green of a normal map points down along v, as DirectX has it",
+        "Bumps would be lit as dents. A map whose format leaves the way open is turned; one whose format defines green "
+        "as up is kept, since it may only look so.",
+        "look at the surface under a lamp; invert the green channel of the source where the map was kept and is wrong",
+    ),
     "asset/shader-lacks-layer": CodeInfo(
         "info",
         "One of the shaders of a material cannot show all of it",

@@ -14,8 +14,8 @@ from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.files.references import tile_references
 from schemas.outcome import INTAKE, Repair
 from usdio.read.layer_guard import PinnedLayers
-from usdio.read.pbr import Color, MaterialConversion
-from usdio.read.shader_dialects import PREVIEW, ShaderDialect, dialect_of
+from usdio.read.pbr import Color, MaterialConversion, with_layers_of
+from usdio.read.shader_dialects import PREVIEW, ShaderDialect, dialect_of, is_known
 from usdio.read.shader_graph import (
     EARLIEST,
     ImageSource,
@@ -133,11 +133,21 @@ class MaterialTable:
         conversion = MaterialConversion(sources, authored, dialect.name, self._texture, where)
         material = conversion.material(name, double_sided, _unmapped(source, shader, dialect, ports))
         notes = conversion.diagnostics
+        for other in _other_surfaces(source, shader):
+            material = with_layers_of(material, self._surface(other, conversion.uv_names, where))
         if material.unmapped:
             headline = f"'{name}' has {dialect.name} properties beyond the metallic-roughness model"
             names = ", ".join(sorted(material.unmapped))
             notes.append(finding("asset/material-extension-fallback", headline, where=where, value=names))
         return ConvertedMaterial(material, tuple(conversion.uv_names), from_mesh, name), notes
+
+    def _surface(self, shader: UsdShade.Shader, uv_names: list[str], where: Location) -> Material:
+        """Another surface of a material; its textures read primvars that are added to `uv_names`."""
+        ports = {port.GetBaseName(): port for port in shader.GetInputs()}
+        dialect = dialect_of(shader_identifier(shader), tuple(ports))
+        conversion = MaterialConversion(*_read(dialect, ports), dialect.name, self._texture, where)
+        conversion.uv_names = uv_names
+        return conversion.material("", False, {})
 
     def _texture(self, image: ImageSource) -> str | None:
         """The name of the texture an image node reads, or None with a warning when it cannot be read."""
@@ -198,6 +208,17 @@ def surface_shader(material: UsdShade.Material) -> UsdShade.Shader | None:
         (s for s in identified if dialect_of(shader_identifier(s), ()) is PREVIEW),
         identified[0] if identified else None,
     )
+
+
+def _other_surfaces(material: UsdShade.Material, first: UsdShade.Shader) -> list[UsdShade.Shader]:
+    """The surfaces of other render contexts that a known dialect has, in the order of their outputs."""
+    surfaces: list[UsdShade.Shader] = []
+    for output in sorted(material.GetSurfaceOutputs(), key=lambda o: o.GetFullName()):
+        node = source_node(output)
+        shader = node[0] if node else None
+        if shader and shader.GetPath() != first.GetPath() and is_known(shader_identifier(shader)):
+            surfaces.append(shader)
+    return surfaces
 
 
 def reads_display_color(material: UsdShade.Material) -> bool:

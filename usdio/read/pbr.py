@@ -333,6 +333,34 @@ class MaterialConversion:
         return (r, g, b), float(metallic)
 
 
+_CLEAR: Final = ("transmission", "transmission_texture", "opacity", "opacity_texture")
+# What UsdPreviewSurface cannot state, and a surface of another render context can.
+_BEYOND_PREVIEW: Final = (
+    "dispersion",
+    "specular",
+    "volume",
+    "sheen",
+    "anisotropy",
+    "iridescence",
+    "diffuse_transmission",
+)
+
+
+def with_layers_of(material: Material, other: Material) -> Material:
+    """`material` with the layers that it lacks and `other`, a surface of the same material, has, and their origins.
+
+    Transmitted light is taken together with opacity: a surface without transmission shows glass as opacity.
+    """
+    changes: dict[str, Any] = {}
+    for field in _BEYOND_PREVIEW:
+        if not getattr(material, field) and getattr(other, field):
+            changes[field] = getattr(other, field)
+    if material.transmission == 0.0 and other.transmission > 0.0:
+        changes |= {field: getattr(other, field) for field in (*_CLEAR, "alpha_mode")}
+    origins = {field: origin for field, origin in other.origins.items() if field.partition(".")[0] in changes}
+    return replace(material, **changes, origins={**material.origins, **origins})
+
+
 def _times(color: Color, tint: Color, weight: float) -> Color:
     return (color[0] * tint[0] * weight, color[1] * tint[1] * weight, color[2] * tint[2] * weight)
 

@@ -241,6 +241,11 @@ OMNI_PBR: Final = ShaderDialect(
 DIALECTS: Final = (PREVIEW, STANDARD_SURFACE, OPEN_PBR, GLTF_PBR, OMNI_GLASS, OMNI_PBR)
 
 
+def is_known(identifier: str) -> bool:
+    """Whether a dialect recognises the shader by its id."""
+    return any(part in identifier for dialect in DIALECTS for part in dialect.identifiers)
+
+
 def dialect_of(identifier: str, names: tuple[str, ...]) -> ShaderDialect:
     """The dialect of a shader: by its id, else the one with most of its authored input `names`."""
     for dialect in DIALECTS:

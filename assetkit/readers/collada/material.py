@@ -63,6 +63,7 @@ def read_material(
         metallic=1.0 if metal else 0.0,
         roughness=_roughness(shader, colors, floats, specular_map="specular" in uses),
         normal_texture=_normal_map(effect, uv_index, document, textures, folder),
+        normal_green="undeclared",
         emissive=(1.0, 1.0, 1.0) if emission else linear_rgb(colors.get("emission", (0.0, 0.0, 0.0))),
         emissive_texture=emission,
         opacity=opacity,

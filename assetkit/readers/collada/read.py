@@ -15,6 +15,7 @@ from assetkit.readers.collada.material import read_material
 from assetkit.readers.collada.scene import Placement, read_scene
 from assetkit.readers.collada.xml import Document, Element, parse
 from assetkit.readers.common.corners import MAX_TRIANGLES, Notes
+from assetkit.readers.common.phong import kept_in_record
 from assetkit.readers.common.sniff import screen
 from assetkit.readers.common.texture_table import TextureTable
 from assetkit.sources.source_file import SourceFile
@@ -52,6 +53,7 @@ def read_dae(source: SourceFile) -> Outcome[Model]:
         headline = "the file is animated; the pose its nodes state was taken"
         document.report(finding("asset/animation-dropped", headline, where=document.place(animation)))
     notes = document.notes + Notes(tuple(textures.diagnostics), tuple(textures.repairs))
+    notes += Notes(kept_in_record(materials, where))
     hints, metadata = _texts(document)
     model = Model(
         meshes=meshes,

@@ -8,10 +8,12 @@ import numpy as np
 
 from schemas.appearance.conversions import srgb_to_linear
 from schemas.appearance.material import LinearRGB, Material, Origin
+from schemas.diagnostics import Diagnostic, Location, finding
 
 _PHONG = "Blinn-Phong exponent as Beckmann width (Walter et al. 2007)"
 PHONG_CONFIDENCE = 0.6  # Exporters write exponents of their own defaults, and lobes differ.
 BARE_METAL = Origin("inferred", "black diffuse colour under a bright specular one: a bare metal", PHONG_CONFIDENCE)
+_MODELS = frozenset({"shader", "illum"})
 _MOST_BLACK, _LEAST_BRIGHT = 0.03, 0.25  # linear; paints reflect more and highlights of dielectrics less
 
 
@@ -53,6 +55,15 @@ def origins_of(
     elif "roughness" not in origins and exponent in stated:
         origins["roughness"] = Origin("inferred", f"{stated[exponent]}: {_PHONG}", PHONG_CONFIDENCE)
     return origins
+
+
+def kept_in_record(materials: Sequence[Material], where: Location) -> tuple[Diagnostic, ...]:
+    """One finding on the properties of `materials` that no field holds; the model of shading itself is none."""
+    names = sorted({name for material in materials for name in material.unmapped} - _MODELS)
+    if not names:
+        return ()
+    headline = f"{', '.join(names)} of materials kept in the record only"
+    return (finding("asset/material-extension-fallback", headline, where=where, value=", ".join(names)),)
 
 
 def roughness_from_exponent(exponent: float) -> float:

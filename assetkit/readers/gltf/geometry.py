@@ -31,6 +31,8 @@ class Geometry:
         self._read: dict[tuple[int, tuple[float, ...], bool], tuple[tuple[Json, Primitive], ...]] = {}
         self._notes = Notes()
         self._without_faces = 0
+        # Lengths in the frame of a mesh, by index of its material: metres per unit at each place that is drawn.
+        self.scales_of_material: dict[int, list[float]] = {}
 
     def bake(self, placed: tuple[PlacedNode, ...]) -> tuple[tuple[Mesh, ...], tuple[Node, ...], Notes]:
         """Meshes in the model frame (`material` still counts in the file's list), nodes, and findings.
@@ -111,9 +113,16 @@ class Geometry:
             normals=placed.normals,
             uvs=placed.uvs,
             colors=placed.colors,
-            material=primitive.index("material", self._materials, "materials"),
+            material=self._material(primitive, X_MG),
             source_path=f"{node.path}/{name}",
         )
+
+    def _material(self, primitive: Json, X_MG: np.ndarray) -> int | None:
+        index = primitive.index("material", self._materials, "materials")
+        if index is not None:
+            scale = abs(float(np.linalg.det(X_MG[:3, :3]))) ** (1.0 / 3.0)
+            self.scales_of_material.setdefault(index, []).append(scale)
+        return index
 
     def _check_triangles(self, triangles: int, primitive: Json) -> None:
         if triangles > MAX_TRIANGLES:

@@ -6,9 +6,11 @@ the layer; what of the extension has no field it leaves to `unmapped` by returni
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
+
+import numpy as np
 
 from assetkit.readers.gltf.json import Json
 from assetkit.readers.gltf.material_values import MaterialValues, rgb
@@ -18,11 +20,14 @@ from schemas.appearance.material import (
     DiffuseTransmission,
     Iridescence,
     Material,
+    Origin,
     Sheen,
     Specular,
     Volume,
 )
 
+_SAME_SCALE = 1e-6  # relative; rounding of a product of single-precision matrices
+_MEDIAN_CONFIDENCE = 0.5
 Layer = Callable[[Json, MaterialValues, Material], tuple[Material, bool]]
 
 
@@ -130,7 +135,7 @@ def _unlit(extension: Json, values: MaterialValues, base: Material) -> tuple[Mat
 
 
 def _volume(extension: Json, values: MaterialValues, base: Material) -> tuple[Material, bool]:
-    """The thickness is in the frame of the mesh, which nodes may scale: it is taken as it is for a node of scale 1."""
+    """The thickness is in the frame of the mesh, which nodes may scale: see `with_scaled_volume`."""
     distance = values.number(extension, "attenuationDistance", float("inf"), "volume.attenuation_distance")
     layer = Volume(
         thickness=max(values.number(extension, "thicknessFactor", 0.0, "volume.thickness"), 0.0),
@@ -139,6 +144,25 @@ def _volume(extension: Json, values: MaterialValues, base: Material) -> tuple[Ma
         attenuation_color=values.color(extension, "attenuationColor", WHITE, "volume.attenuation_color"),
     )
     return replace(base, volume=layer), True
+
+
+def with_scaled_volume(material: Material, scales: Sequence[float]) -> Material:
+    """The material with the thickness of its volume in metres, where nodes draw it at these scales.
+
+    The attenuation distance is in metres already (KHR_materials_volume). Where nodes scale it differently, one material
+    cannot have all thicknesses: it has the median, half sure.
+    """
+    if material.volume is None or not scales or all(scale == 1.0 for scale in scales):
+        return material
+    scale = float(np.median(scales))
+    field = "volume.thickness"
+    stated = material.origins[field]
+    same = max(scales) - min(scales) <= _SAME_SCALE * max(scales)
+    method = f"{stated.method} times {scale:g}, the {'' if same else 'median '}scale of its nodes"
+    origin = Origin(stated.source if same else "inferred", method, stated.confidence)
+    volume = replace(material.volume, thickness=material.volume.thickness * scale)
+    origins = {**material.origins, field: origin if same else replace(origin, confidence=_MEDIAN_CONFIDENCE)}
+    return replace(material, volume=volume, origins=origins)
 
 
 LAYERS: Final[dict[str, Layer]] = {

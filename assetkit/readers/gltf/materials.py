@@ -35,9 +35,9 @@ def read_material(material: Json, name: str, textures: Textures) -> tuple[Materi
             result, complete = layer(extension, values, result)
         if not complete:
             unmapped[extension.key] = extension.value
-    names = ", ".join(unmapped)
     if (extras := material.get("extras")) is not None:
         unmapped["extras"] = extras.value
+    names = ", ".join(unmapped)
     notes = values.notes
     if names:
         headline = f"material '{name}': {names} kept in the record only"

@@ -11,6 +11,7 @@ from assetkit.readers.gltf.container import parse_container
 from assetkit.readers.gltf.extensions import check_required
 from assetkit.readers.gltf.geometry import Geometry
 from assetkit.readers.gltf.json import Json
+from assetkit.readers.gltf.material_layers import with_scaled_volume
 from assetkit.readers.gltf.materials import read_material
 from assetkit.readers.gltf.nodes import place_nodes
 from assetkit.readers.gltf.physics import GltfPhysics
@@ -40,10 +41,11 @@ def read_gltf(source: SourceFile) -> Outcome[Model]:
     check_required(document)
     buffers = Buffers(source, document, chunk)
     placed = place_nodes(document)
-    meshes, nodes, notes = Geometry(document, buffers).bake(placed)
+    geometry = Geometry(document, buffers)
+    meshes, nodes, notes = geometry.bake(placed)
     physics = GltfPhysics(document, placed, nodes, meshes)
     textures = Textures(source, document, buffers)
-    materials, meshes, material_notes = _read_materials(document, meshes, textures)
+    materials, meshes, material_notes = _read_materials(document, meshes, textures, geometry.scales_of_material)
     notes += textures.notes + material_notes + _animation_notes(document) + Notes(physics.joints())
     model = Model(
         meshes=meshes,
@@ -61,7 +63,7 @@ def read_gltf(source: SourceFile) -> Outcome[Model]:
 
 
 def _read_materials(
-    document: Json, meshes: tuple[Mesh, ...], textures: Textures
+    document: Json, meshes: tuple[Mesh, ...], textures: Textures, scales: dict[int, list[float]]
 ) -> tuple[tuple[Material, ...], tuple[Mesh, ...], Notes]:
     """The materials that `meshes` use, in file order, and `meshes` with `material` counting among these."""
     described = document.items("materials")
@@ -71,7 +73,7 @@ def _read_materials(
     for index in used:
         name = described[index].string("name", "") or f"material_{index}"
         material, material_notes = read_material(described[index], name, textures)
-        materials.append(material)
+        materials.append(with_scaled_volume(material, scales[index]))
         notes += material_notes
     renumbered = {index: i for i, index in enumerate(used)}
     return (

@@ -47,6 +47,7 @@ _CHANNELS: dict[str, Channel] = {"r": "r", "g": "g", "b": "b", "m": "a"}
 _COLORS = frozenset({"kd", "ks", "ke", "ka", "tf"})
 _SCALARS = frozenset({"ns", "ni", "d", "tr", "pr", "pm", "pc", "pcr", "ps", "illum", "sharpness", "aniso", "anisor"})
 _MAPS = frozenset({"map_kd", "map_ke", "map_d", "map_pr", "map_pm", "map_bump", "bump", "norm"})
+KEYWORDS = _COLORS | _SCALARS | _MAPS
 # These have a place in Material.
 _FIELDS = frozenset({"kd", "ke", "ns", "ni", "d", "tr", "pr", "pm", "pc", "pcr", "ps", "aniso", "anisor"})
 
@@ -137,6 +138,7 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
         ior=ior_or_default(values["ni"][0] if "ni" in values else None),
         clearcoat=unit_interval(values.get("pc", (0.0,))[0]),
         clearcoat_roughness=unit_interval(values.get("pcr", (0.0,))[0]),
+        normal_green="undeclared",
         sheen=_sheen(values),
         anisotropy=_anisotropy(values),
         unmapped=_unmapped(block, values, taken),

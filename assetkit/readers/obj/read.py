@@ -19,6 +19,7 @@ from assetkit.readers.common.corners import (
     unit_normals,
     usable_colors,
 )
+from assetkit.readers.common.phong import kept_in_record
 from assetkit.readers.common.sniff import screen_text
 from assetkit.readers.common.texture_table import TextureTable
 from assetkit.readers.obj import text as obj_text
@@ -151,6 +152,7 @@ def _materials(
             notes += repaired(diagnostic, "missing_material", material=name)
         index[name] = len(materials)
         materials.append(defined.get(name, Material(name)))
+    notes += Notes(kept_in_record(materials, Location(file=source.relative)))
     return tuple(materials), index, notes
 
 

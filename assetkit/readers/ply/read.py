@@ -14,7 +14,7 @@ from assetkit.readers.ply.container import Element, Header, Table, parse_header,
 from assetkit.sources.source_file import SourceFile
 from geom.mesh.finite import require_finite
 from geom.mesh.polygon_triangulation import triangulate_polygons
-from schemas.appearance.material import Material, TextureUse
+from schemas.appearance.material import Material, Origin, TextureUse
 from schemas.diagnostics import InvalidInput, Location, finding
 from schemas.evidence import default
 from schemas.model import Mesh, Model, Node
@@ -83,9 +83,18 @@ def _materials(header: Header, textures: TextureTable, source: SourceFile, where
     materials: list[Material] = []
     for file in header.texture_files:
         name = textures.add(file, base=source.path.parent, where=where)
-        textured = Material(file, base_color=(1.0, 1.0, 1.0), base_color_texture=TextureUse(name)) if name else None
-        materials.append(textured or Material(file))
+        materials.append(_textured(file, name) if name else Material(file))
     return tuple(materials)
+
+
+def _textured(file: str, texture: str) -> Material:
+    origin = Origin("declared", "comment TextureFile")
+    return Material(
+        file,
+        base_color=(1.0, 1.0, 1.0),
+        base_color_texture=TextureUse(texture),
+        origins={"base_color": origin, "base_color_texture": origin},
+    )
 
 
 def _meshes(

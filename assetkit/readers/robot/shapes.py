@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path, PurePosixPath
 
 import numpy as np
 
-from assetkit.readers.common.phong import linear_rgb
 from assetkit.readers.common.texture_table import TextureTable
+from assetkit.readers.robot.materials import stated_material
 from assetkit.readers.robot.msh import read_msh
 from assetkit.readers.source_format import Reader
 from assetkit.sources.source_file import SourceFile
@@ -160,23 +161,17 @@ class SurfaceReader:
         key = key if textured else replace(key, texture="")
         if key not in self._described:
             self._described[key] = len(self.materials)
-            rgba = described.rgba or (1.0, 1.0, 1.0, 1.0)
-            self.materials.append(
-                Material(
-                    described.name or "material",
-                    base_color=linear_rgb(rgba[:3]),
-                    base_color_texture=self._stated_texture(described) if textured else None,
-                    opacity=min(max(rgba[3], 0.0), 1.0),
-                    alpha_mode="blend" if rgba[3] < 1.0 else "opaque",
-                )
-            )
+            use_of = partial(self._stated_texture, described) if textured else _no_texture
+            material = stated_material(described, use_of)
+            self.materials.append(material)
+            if material.unmapped:
+                headline = f"material '{material.name}': {', '.join(material.unmapped)} kept in the record only"
+                where = described.source.location
+                self.diagnostics.append(finding("asset/material-extension-fallback", headline, where=where))
         return self._described[key]
 
-    def _stated_texture(self, described: DescribedMaterial) -> TextureUse | None:
-        if not described.texture:
-            return None
+    def _stated_texture(self, described: DescribedMaterial, uri: str) -> TextureUse | None:
         folder = (self.source.root / described.source.file).parent if described.source.file else self.source.path.parent
-        uri = described.texture
         if uri.startswith("package://"):
             uri = PurePosixPath(uri).name
         name = self._table.add(uri, base=folder, where=described.source.location)
@@ -194,22 +189,17 @@ class SurfaceReader:
         return of_file if textured and described is not None and not described.texture else stated
 
 
+def _no_texture(_: str) -> TextureUse | None:
+    """The surface has no texture coordinates."""
+    return None
+
+
 def _with_textures(material: Material, names: Mapping[str, str]) -> Material:
     """The material with its textures under their new names."""
-    changed: dict[str, TextureUse] = {}
-    for key in (
-        "base_color_texture",
-        "metallic_texture",
-        "roughness_texture",
-        "normal_texture",
-        "occlusion_texture",
-        "emissive_texture",
-        "opacity_texture",
-    ):
-        use = getattr(material, key)
-        if use is not None and names.get(use.texture, use.texture) != use.texture:
-            changed[key] = replace(use, texture=names[use.texture])
-    return replace(material, **changed)
+    for name, use in material.texture_uses.items():
+        if names.get(use.texture, use.texture) != use.texture:
+            material = material.with_value(name, replace(use, texture=names[use.texture]))
+    return material
 
 
 def _primitive(shape: DescribedShape) -> primitives.Tessellation:

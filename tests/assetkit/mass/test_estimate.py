@@ -21,7 +21,7 @@ from assetkit.mass.estimate import MassEvidence
 from assetkit.options import Options
 from assetkit.stage import Canonical
 from geom.mass.inertia import combine, inertia_about, is_physical
-from schemas.appearance.material import Material
+from schemas.appearance.material import Material, Volume
 from schemas.arrays import BoolArray, FloatArray
 from schemas.model import Mesh
 from schemas.physics import MassProperties
@@ -266,7 +266,7 @@ def test_what_is_neither_body_nor_sheet_falls_back_to_its_hull_unless_a_wall_is_
 
 
 def test_a_thickness_that_a_material_hints_is_used_with_doubt():
-    glass = Material("glass", unmapped={"KHR_materials_volume": {"thicknessFactor": 0.003}})
+    glass = Material("glass", volume=Volume(thickness=0.003))
     _, canonical, _ = weighed([replace(half_ball(), material=0)], materials=[glass])
     wall = canonical.section.wall_thickness_m
     assert wall is not None

@@ -16,6 +16,8 @@ import numpy as np
 import trimesh
 from PIL import Image
 
+from tests.support.appearance.normal_maps import bumps, normal_map
+
 Writer = Callable[[Path], Path]
 
 CUBE = trimesh.creation.box((0.1, 0.1, 0.1))
@@ -243,6 +245,13 @@ def pictured(faces: str) -> Writer:
     return write
 
 
+def green_down(folder: Path) -> Path:
+    """Faces with a normal map of round bumps, as DirectX has it."""
+    Image.fromarray(normal_map(bumps(64), green=-1.0)).save(folder / "part.png")
+    (folder / "part.mtl").write_text("newmtl m\nnorm part.png\n")
+    return text("part.obj", "mtllib part.mtl\nusemtl m\n" + with_coordinates("0 0", "1 0", "0 1"))(folder)
+
+
 SAMPLES: dict[str, Writer] = {
     "asset/format-unsupported": text("part.fbx", b"Kaydara FBX Binary"),
     "asset/wrong-content": text("part.glb", "<!DOCTYPE html><html>404</html>"),
@@ -309,6 +318,7 @@ SAMPLES: dict[str, Writer] = {
     "asset/material-extension-fallback": gltf(
         materials=[{"name": "m", "extensions": {"KHR_materials_unlit": {}}}], extensionsUsed=["KHR_materials_unlit"]
     ),
+    "asset/normal-map-green-down": green_down,
     "asset/shader-lacks-layer": gltf(
         materials=[
             {

@@ -211,3 +211,23 @@ def test_pictures_that_are_sampled_apart_stay_and_the_surface_is_a_dielectric(tm
     rough = material.roughness_texture
     assert rough is not None
     assert (rough.channel, rough.scale, rough.bias) == ("a", -0.8, 1.0)  # 1 - glossiness
+
+
+@pytest.mark.parametrize(
+    ("scales", "thickness", "source", "confidence"),
+    [([1.0], 0.5, "declared", 1.0), ([0.01], 0.005, "declared", 1.0), ([0.01, 0.03, 0.02], 0.01, "inferred", 0.5)],
+)
+def test_the_thickness_of_a_volume_follows_the_scale_of_its_nodes(
+    scales: list[float], thickness: float, source: str, confidence: float, tmp_path: Path
+) -> None:
+    """In the frame of the mesh it is half a unit; the attenuation distance is in metres whatever the nodes."""
+    volume = {"thicknessFactor": 0.5, "attenuationDistance": 2.0}
+    file = textured(extensions={"KHR_materials_volume": volume})
+    file.doc["nodes"] = [{"mesh": 0, "scale": [scale] * 3} for scale in scales]
+    file.doc["scenes"] = [{"nodes": list(range(len(scales)))}]
+    material, _ = look(tmp_path, file)
+    assert material.volume is not None
+    assert material.volume.thickness == pytest.approx(thickness)
+    assert material.volume.attenuation_distance == 2.0
+    origin = material.origins["volume.thickness"]
+    assert (origin.source, origin.confidence) == (source, confidence)

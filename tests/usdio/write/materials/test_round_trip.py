@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pxr import Sdf, Usd, UsdShade
 
-from schemas.appearance.material import Material, TextureUse
+from schemas.appearance.material import Material, Sheen, Specular, TextureUse
 from schemas.appearance.optics import effective
 from tests.support.appearance.random_materials import IMAGES, color, half, unit
 from tests.support.usd_files import QUAD, material_of, write
@@ -62,15 +62,21 @@ PLAIN = st.builds(
 
 
 def round_trip(folder: Path, output: ShaderOutput, material: Material) -> Material:
+    return material_of(authored(folder, (output,), material))
+
+
+def authored(folder: Path, outputs: tuple[ShaderOutput, ...], material: Material) -> Path:
+    """A stage with one quad in a material that has these surfaces."""
     path = write(folder, BOUND)
     for name, image in IMAGES.items():
         (folder / f"{name}.png").write_bytes(image.data)
     stage = Usd.Stage.Open(str(path))
     prim = UsdShade.Material.Define(stage, Sdf.Path("/Root/m"))
     files = TextureFiles({name: f"./{name}.png" for name in IMAGES}, IMAGES, "mdl")
-    output.author(Network(stage, prim, files), MeshMaterial("m", effective(material)))
+    for output in outputs:
+        output.author(Network(stage, prim, files), MeshMaterial("m", effective(material)))
     stage.Save()
-    return material_of(path)
+    return path
 
 
 def assert_same(got: Material, wanted: Material, names: tuple[str, ...]) -> None:
@@ -133,3 +139,26 @@ def test_omni_pbr(
             "normal_texture",
         )
         assert_same(got, effective(material), names)
+
+
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(PLAIN, unit, unit, color)
+def test_layers_that_the_preview_lacks_come_from_the_other_surface(
+    tmp_path: Path, material: Material, clear: float, bent: float, fibres: tuple[float, float, float]
+) -> None:
+    """A material with both surfaces is read as if it had the richer one; values of both are the preview's."""
+    sheen = Sheen(fibres, roughness=0.25)
+    layered = replace(material, transmission=clear, sheen=sheen, specular=Specular(bent))
+    path = authored(tmp_path, (PREVIEW_SURFACE, OPEN_PBR), layered)
+    got, visible = material_of(path), effective(layered)
+    assert_same(got, visible, ("transmission", "opacity", *COLORS, *TEXTURES, "metallic", "roughness"))
+    assert got.alpha_mode == visible.alpha_mode
+    if visible.sheen is not None:
+        assert got.sheen is not None
+        assert got.sheen.color == pytest.approx(visible.sheen.color, abs=1e-5)
+        assert "open_pbr" in got.origins["sheen.color"].method
+    if visible.specular is not None and visible.specular.weight > 0.0:
+        assert got.specular is not None
+        assert got.specular.weight == pytest.approx(visible.specular.weight, abs=1e-5)
+    if visible.transmission > 0.0:
+        assert "open_pbr" in got.origins["transmission"].method
