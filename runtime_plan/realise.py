@@ -52,7 +52,7 @@ class Realiser:
 
     def _build(self, slot: Slot, material: int, moves: bool) -> None:
         """Build the body of a slot if there is none, and set its material if it has another one."""
-        if slot in self._number and self._material_of[slot] == material:
+        if self._material_of.get(slot) == material:
             return
         index = slot[1]
         if index not in self._physical:
@@ -62,5 +62,6 @@ class Realiser:
         body = with_material(physical.body, physical.density_kgm3, paired)
         if slot not in self._number:
             self._number[slot] = self._world.add(physical.body, moves)
+        self._material_of.pop(slot, None)  # Where the next call fails, the next reset sets the material again.
         self._world.set_material(self._number[slot], body.mass, body.contact)
         self._material_of[slot] = material

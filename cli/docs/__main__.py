@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cli.docs import diagnostics, effects, formats, gate, material_features, relations
+from cli.docs import diagnostics, effects, formats, gate, material_features, paired_materials, relations
 
 DOCS = Path("docs")
 DIAGNOSTICS = Path("diagnostics")
@@ -23,6 +23,7 @@ def generated_pages() -> dict[Path, str]:
         Path("reference/effects.md"): effects.page(),
         Path("reference/file-formats.md"): formats.page(),
         Path("reference/material-features.md"): material_features.page(),
+        Path("reference/paired-materials.md"): paired_materials.page(),
         Path("reference/relations.md"): relations.page(),
     }
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 
 from scenec.ir.derivation_cache import DerivationCache
+from scenec.paired_materials.library import check_pairs, with_pairs
 from scenec.source.checks import check_program
 from scenec.source.include import load
 from scenec.source.incremental_parse import IncrementalParser
@@ -51,5 +52,7 @@ def read_program(
     program, more = validate(tree, spans, derivations)
     diagnostics = (*diagnostics, *more)
     if program is not None:
-        diagnostics = (*diagnostics, *check_program(program, spans))
-    return ReadResult(None if any_error(diagnostics) else program, spans, diagnostics)
+        diagnostics = (*diagnostics, *check_program(program, spans), *check_pairs(program, spans))
+    if program is None or any_error(diagnostics):
+        return ReadResult(None, spans, diagnostics)
+    return ReadResult(with_pairs(program), spans, diagnostics)

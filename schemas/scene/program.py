@@ -281,10 +281,11 @@ class Reach(Written):
 
 
 class PairedMaterial(Written):
-    """A render recipe and the physics that belongs to it."""
+    """A render recipe and the physics that belongs to it; `pair` names a shipped one that fills in what is absent."""
 
     id: str
     objects: tuple[str, ...]
+    pair: str | None = None
     base_color: tuple[float, float, float] | None = None
     roughness: float | None = None
     metallic: float | None = None

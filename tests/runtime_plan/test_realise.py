@@ -11,6 +11,7 @@ from runtime_plan.bodies import physical_body
 from runtime_plan.materials import is_paired, with_material
 from runtime_plan.realise import Realiser
 from schemas.diagnostics import InvalidInput
+from schemas.physics import Contact, MassProperties
 from schemas.scene.program import PairedMaterial
 from schemas.scene.runtime_plan import PlanBody
 from sim.bullet.resets import BulletResets
@@ -143,3 +144,35 @@ def test_a_damaged_record_is_told_with_its_package(tmp_path: Path, text: str):
         physical_body(PlanBody(asset_id="mug", package="mug", stances=()), tmp_path)
     assert refused.value.diagnostic.code == "plan/changed-package"
     assert "mug" in refused.value.diagnostic.headline
+
+
+def test_a_material_that_could_not_be_set_is_set_by_the_next_reset(monkeypatch: pytest.MonkeyPatch):
+    """The world fails once, at every body in turn: the next reset of the same sample gives what it gives without."""
+    plan = plan_with_materials()
+    drawn = sample(plan, 60, 1)
+    tray = drawn.names.index("tray")
+    k = int(np.flatnonzero(drawn.material[:, tray] == 0)[0])
+
+    def dynamics(failing: int | None) -> list[float]:
+        with private_client() as client:
+            world = BulletResets(client)
+            realiser, calls = Realiser(plan, None, world), 0
+            whole = world.set_material
+
+            def once(number: int, mass: MassProperties, contact: Contact) -> None:
+                nonlocal calls
+                calls += 1
+                if calls == failing:
+                    raise RuntimeError("injected")
+                whole(number, mass, contact)
+
+            monkeypatch.setattr(world, "set_material", once)
+            if failing is not None:
+                with pytest.raises(RuntimeError, match="injected"):
+                    realiser.reset(drawn, k)
+            numbers = realiser.reset(drawn, k)
+            mass, inertia, friction = world.dynamics(numbers["tray"])
+            return [mass, *inertia, friction]
+
+    for failing in (1, 2, 3, 4, 5, 6):
+        np.testing.assert_allclose(dynamics(failing), dynamics(None), rtol=1e-9)

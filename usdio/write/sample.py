@@ -44,9 +44,30 @@ def write_sample(
 ) -> Path:
     """Write `file`, a layer with `scene` below it: it opens alone, and serves as session layer of the scene.
 
-    Raises KeyError for an object that the scene does not have, OSError when writing fails.
+    All edits are written or none: after an error `file` is as before, or absent. Raises KeyError for an object that
+    the scene does not have, OSError when writing fails.
     """
-    layer = Sdf.Layer.CreateNew(str(file)) if not file.exists() else Sdf.Layer.FindOrOpen(str(file))
+    existed = file.exists()
+    layer = Sdf.Layer.FindOrOpen(str(file)) if existed else Sdf.Layer.CreateNew(str(file))
+    try:
+        _author(layer, scene, edits, lighting, packages, file)
+    except BaseException:
+        if existed:
+            layer.Reload(True)  # USD shares the edited layer with whoever opens the file in this process.
+        else:
+            file.unlink(missing_ok=True)
+        raise
+    return file
+
+
+def _author(
+    layer: Sdf.Layer,
+    scene: Path,
+    edits: Sequence[SampleEdit],
+    lighting: SampledLighting | None,
+    packages: Path,
+    file: Path,
+) -> None:
     layer.Clear()
     layer.subLayerPaths = [os.path.relpath(scene, file.parent)]
     stage = Usd.Stage.Open(layer)
@@ -63,7 +84,6 @@ def write_sample(
         author_sampled_lighting(stage, lighting)
     if not layer.Save():
         raise OSError(f"USD could not write {file.name}")
-    return file
 
 
 def _edit(stage: Usd.Stage, prim: Usd.Prim, edit: SampleEdit, packages: Path, folder: Path) -> None:

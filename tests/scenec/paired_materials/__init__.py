@@ -1,0 +1,1 @@
+"""Tests of `scenec.paired_materials`."""
