@@ -19,6 +19,7 @@ from schemas.model import Axis
 from schemas.outcome import ItemOutcome, Repair
 from schemas.parts import Part
 from schemas.physics import Contact, Fidelity
+from schemas.retopology import RetopologySection
 
 SCHEMA_VERSION = "1.0"
 RECORD = "record.json"
@@ -324,6 +325,7 @@ class AssetRecord(_Section):
     anchors: tuple[Evidence[Anchor], ...] = ()
     joint_uses: tuple[JointUse, ...] = Field(default=(), exclude_if=lambda uses: not uses)
     physics: PhysicsSection
+    retopology: RetopologySection | None = Field(default=None, exclude_if=lambda section: section is None)
     acceptance: AcceptanceSection
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()

@@ -65,6 +65,9 @@ def ingest_command(
     max_texture: Annotated[
         int | None, typer.Option("--max-texture", min=16, help="Pixels a side above which textures are made smaller.")
     ] = None,
+    retopo: Annotated[
+        int | None, typer.Option("--retopo", min=64, help="Triangles of a light mesh with baked maps; none by default.")
+    ] = None,
     annotator_url: Annotated[
         str | None,
         typer.Option(help="Base address of a model that is shown the pictures, e.g. https://api.openai.com/v1."),
@@ -127,6 +130,7 @@ def ingest_command(
         author=author,
         shell_thickness_m=None if shell_thickness is None else shell_thickness / 1000.0,
         max_texture=max_texture,
+        retopo=retopo,
     )
     with shown_progress(quiet=as_json) as progress:
         report = ingest(

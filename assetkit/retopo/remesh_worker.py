@@ -1,0 +1,83 @@
+"""Entry of the remeshing cell: `python -m assetkit.retopo.remesh_worker IN.npz OUT.npz CPU_SECONDS`.
+
+MeshLab and xatlas abort or hang on some inputs; nothing but this process calls them. IN holds `size_px`, `padding_px`,
+and per mesh k `points_k` (n, 3), `triangles_k` (m, 3) and `faces_k`, the wanted number of faces. OUT holds per mesh
+`points_k`, `triangles_k` and `uvs_k` (m, 3, 2), coordinates in one square picture for all meshes.
+
+Simplification is the quadric edge collapse of MeshLab (Garland and Heckbert 1997; Cignoni et al. 2008), the atlas is
+made by xatlas (Young 2018, after thekla_atlas).
+"""
+
+from __future__ import annotations
+
+import resource
+import sys
+
+import numpy as np
+import xatlas
+from pymeshlab.pmeshlab import Mesh, MeshSet
+
+_LEAST_AREA_SHARE = 1e-14  # of the area of the square of the extent: smaller triangles have no direction in float32
+
+
+def main(source: str, target: str, cpu_seconds: int) -> None:
+    """Read, simplify, unwrap, write; the system ends the process (SIGXCPU) when it has used `cpu_seconds`."""
+    resource.setrlimit(resource.RLIMIT_CPU, (cpu_seconds, cpu_seconds + 1))
+    with np.load(source) as job:
+        given = {key: job[key] for key in job.files}
+    count = sum(key.startswith("points_") for key in given)
+    surfaces = [
+        _simplified(given[f"points_{k}"], given[f"triangles_{k}"], int(given[f"faces_{k}"])) for k in range(count)
+    ]
+    uvs = _unwrapped(surfaces, int(given["size_px"]), int(given["padding_px"]))
+    results: dict[str, np.ndarray] = {}
+    for k, (points, triangles) in enumerate(surfaces):
+        results |= {f"points_{k}": points, f"triangles_{k}": triangles, f"uvs_{k}": uvs[k]}
+    np.savez(target, **results)  # pyright: ignore[reportArgumentType]
+
+
+def _simplified(points: np.ndarray, triangles: np.ndarray, faces: int) -> tuple[np.ndarray, np.ndarray]:
+    """About `faces` triangles; boundaries weigh as much as the surface, so that the rims of open scans stay."""
+    meshes = MeshSet()
+    meshes.add_mesh(Mesh(points, triangles))
+    if len(triangles) > faces:
+        meshes.meshing_decimation_quadric_edge_collapse(
+            targetfacenum=faces, preservenormal=True, preserveboundary=True, planarquadric=True, qualitythr=0.5
+        )
+    meshes.meshing_remove_null_faces()
+    meshes.meshing_remove_unreferenced_vertices()
+    light = meshes.current_mesh()
+    return _with_area(np.asarray(light.vertex_matrix()), np.asarray(light.face_matrix(), dtype=np.int32))
+
+
+def _with_area(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The surface without triangles that have no area."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return points, triangles[doubled > _LEAST_AREA_SHARE * np.ptp(points, axis=0).max() ** 2]
+
+
+def _unwrapped(surfaces: list[tuple[np.ndarray, np.ndarray]], size_px: int, padding_px: int) -> list[np.ndarray]:
+    """Per surface the texture coordinates (m, 3, 2) of its triangle corners in the unit square, without overlap."""
+    atlas = xatlas.Atlas()
+    for points, triangles in surfaces:
+        atlas.add_mesh(points.astype(np.float32), triangles.astype(np.uint32))
+    packing = xatlas.PackOptions()
+    packing.resolution, packing.padding, packing.bilinear = size_px, padding_px, True
+    atlas.generate(xatlas.ChartOptions(), packing, False)
+    if atlas.atlas_count != 1:
+        raise RuntimeError(f"{atlas.atlas_count} pictures instead of one")
+    square = np.array([atlas.width, atlas.height]) / max(atlas.width, atlas.height)
+    return [_corner_uvs(atlas, k, len(triangles)) * square for k, (_, triangles) in enumerate(surfaces)]
+
+
+def _corner_uvs(atlas: xatlas.Atlas, index: int, count: int) -> np.ndarray:
+    """(m, 3, 2) coordinates of one mesh, in the order of its triangles, v pointing up."""
+    _, corners, uvs = atlas[index]
+    if len(corners) != count:
+        raise RuntimeError(f"{len(corners)} of {count} triangles have texture coordinates")
+    return np.asarray(uvs, dtype=np.float64)[np.asarray(corners, dtype=np.int64)]
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2], int(sys.argv[3]))
