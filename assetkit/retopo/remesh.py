@@ -1,8 +1,8 @@
 """Light meshes of one object with texture coordinates in one common atlas, made in a cell by MeshLab and xatlas.
 
-MeshLab's quadric edge collapse is used and not that of fast-simplification, which is six times as fast: on the same
-scans it leaves a quarter less mean distance, and on objects of many shells it goes on where the other stops early
-(figures: docs/benchmarks-appearance.md).
+Two simplifiers in a row: fast-simplification, with few collapses at a time, down to four times the wanted faces, and
+MeshLab the rest. The first alone stops early on objects of many shells or tears them; the second alone takes five times
+as long and chews the rims of thin sheets (figures: docs/benchmarks-appearance.md).
 """
 
 from __future__ import annotations

@@ -26,6 +26,7 @@ from schemas.outcome import Outcome, Repair
 from schemas.retopology import MapError, RetopologySection, ViewFidelity
 
 MAP_PX = 2048
+_LIBRARIES = ("fast-simplification", "pymeshlab", "xatlas")
 STAGE = "retopology"
 # Bounds of issue 32: below them a picture of the light model is hard to tell from one of its source.
 LEAST_IOU = 0.98
@@ -95,7 +96,7 @@ def _section(
     ids = {mesh.id for mesh in heavy}
     return RetopologySection(
         released=least >= LEAST_IOU and most <= MOST_COLOUR_ERROR_255,
-        method=f"quadric edge collapse of pymeshlab {version('pymeshlab')}, atlas of xatlas {version('xatlas')}",
+        method=f"quadric edge collapse, {', '.join(f'{name} {version(name)}' for name in _LIBRARIES)}",
         triangles_before=sum(len(mesh.triangles) for mesh in heavy),
         triangles_after=sum(len(mesh.triangles) for mesh in baked.meshes),
         texture_px=size_px,
