@@ -131,7 +131,7 @@ class GeometrySection(_Section):
         default=(1.0, 0.0, 0.0, 0.0), description="axes of the source, seen from the asset frame"
     )
     annotation_frame: AnnotationFrame
-    observed: tuple[Topology, ...] = Field(description="per mesh as read, then `merged`")
+    observed: tuple[Topology, ...] = Field(description="per mesh as read, or as retopology made it, then `merged`")
     reobserved: Topology
     solid_kind: Literal["closed", "shell", "hull"]
     volume_m3: Evidence[float]

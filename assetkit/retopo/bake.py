@@ -170,6 +170,12 @@ def _with_maps(material: Material, fields: frozenset[str]) -> Material:
         if field in fields:
             name = TEXTURE_NAMES["orm" if field in ORM else field]
             uses[field] = TextureUse(name, ORM.get(field, "rgb"), wrap_s="clamp", wrap_t="clamp")
-            before = origins.get(field)
-            origins[field] = Origin("inferred", f"{before.method}; {_METHOD}" if before else _METHOD)
+            origins[field] = _origin(origins.get(field))
     return replace(material, **uses, normal_scale=1.0, origins=origins)
+
+
+def _origin(before: Origin | None) -> Origin:
+    """The origin of a baked map: as sure as that of the values it was baked from, measured where that is the shape."""
+    if before is None:
+        return Origin("measured", _METHOD)
+    return Origin("inferred", f"{before.method}; {_METHOD}", before.confidence)

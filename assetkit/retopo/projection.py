@@ -1,7 +1,7 @@
 """Places of a source surface that belong to places of a light one: by rays along its smooth normals, else the nearest.
 
-From each place one ray goes outward and one inward; the nearer hit counts whose face looks the same way. Where neither
-hits within reach, the nearest place of the source is taken.
+From each place one ray goes outward and one inward, through faces that look another way (the far sides of thin walls);
+the nearer hit counts. Where neither hits within reach, the nearest place of the source is taken.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from schemas.arrays import FloatArray, IntArray
 from schemas.model import Mesh
 
 REACH_FACTOR = 1.5  # of the largest distance between the surfaces: rays are oblique to the shortest way
+_MOST_FACES_PASSED = 3
 _START_SHARE = 1e-5  # of the extent: how far before its place a ray starts, tens of roundings of single precision
 
 
@@ -41,21 +42,37 @@ class Projector:
 
     def __call__(self, places: FloatArray, directions: FloatArray, reach: float) -> Projected:
         """The places of the source that belong to `places` (k, 3) with outward unit `directions` (k, 3)."""
-        ahead = self._rays.hits(places - self._start * directions, directions)
-        behind = self._rays.hits(places + self._start * directions, -directions)
-        away = [self._usable(hits, directions, reach) for hits in (ahead, behind)]
-        inward = away[1] < away[0]
+        ahead, behind = (self._first_alike(places, directions, side, reach) for side in (1.0, -1.0))
+        inward = behind.distances < ahead.distances
         faces = np.where(inward, behind.triangles, ahead.triangles)
         weights = np.where(inward[:, None], behind.weights, ahead.weights)
-        missed = np.flatnonzero(~np.isfinite(np.minimum(*away)))
+        missed = np.flatnonzero(~np.isfinite(np.minimum(ahead.distances, behind.distances)))
         if len(missed):
             faces[missed], weights[missed], _ = self._rays.nearest(places[missed])
         by_ray = np.ones(len(places))
         by_ray[missed] = 0.0
         return Projected(faces, weights, by_ray)
 
-    def _usable(self, hits: RayHits, directions: FloatArray, reach: float) -> FloatArray:
-        """Distances (k,) from the places of the hits, inf where one is too far or looks another way."""
-        away = np.abs(hits.distances - self._start)
-        same_way = np.einsum("ki,ki->k", self._normals[hits.triangles], directions) > 0.0
-        return np.where((away <= reach) & same_way & (hits.triangles >= 0), away, np.inf)
+    def _first_alike(self, places: FloatArray, directions: FloatArray, side: float, reach: float) -> RayHits:
+        """The first hits along `side` times the directions of faces that look as the directions do; inf beyond reach.
+
+        Distances are from the places; a ray goes on behind each face that looks another way.
+        """
+        distances = np.full(len(places), np.inf)
+        triangles, weights = np.full(len(places), -1, dtype=np.int64), np.zeros((len(places), 3))
+        travelled = np.full(len(places), -self._start)
+        left = np.arange(len(places))
+        for _ in range(_MOST_FACES_PASSED + 1):
+            ways = side * directions[left]
+            hits = self._rays.hits(places[left] + travelled[left, None] * ways, ways)
+            away = np.abs(travelled[left] + hits.distances)
+            within = np.isfinite(away) & (away <= reach)
+            alike = within & (np.einsum("ki,ki->k", self._normals[hits.triangles], directions[left]) > 0.0)
+            met = left[alike]
+            distances[met], triangles[met], weights[met] = away[alike], hits.triangles[alike], hits.weights[alike]
+            passed = within & ~alike
+            travelled[left[passed]] += hits.distances[passed] + self._start
+            left = left[passed]
+            if not len(left):
+                break
+        return RayHits(distances, triangles, weights)

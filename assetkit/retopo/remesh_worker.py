@@ -1,8 +1,8 @@
 """Entry of the remeshing cell: `python -m assetkit.retopo.remesh_worker IN.npz OUT.npz CPU_SECONDS`.
 
-MeshLab, fast-simplification and xatlas abort or hang on some inputs; nothing but this process calls them. IN holds `size_px`, `padding_px`,
-and per mesh k `points_k` (n, 3), `triangles_k` (m, 3) and `faces_k`, the wanted number of faces. OUT holds per mesh
-`points_k`, `triangles_k` and `uvs_k` (m, 3, 2), coordinates in one square picture for all meshes.
+MeshLab, fast-simplification and xatlas abort or hang on some inputs; this process has limits. IN holds `size_px`,
+`padding_px`, and per mesh k `points_k` (n, 3), `triangles_k` (m, 3) and `faces_k`, the wanted number of faces. OUT
+holds per mesh `points_k`, `triangles_k` and `uvs_k` (m, 3, 2), coordinates in one square picture for all meshes.
 
 Simplification is quadric edge collapse (Garland and Heckbert 1997), see `_simplified`; the atlas is made by xatlas
 (Young 2018, after thekla_atlas).

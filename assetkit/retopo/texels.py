@@ -12,6 +12,8 @@ from geom.mesh.rays import Rays
 from schemas.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from schemas.model import Mesh
 
+_RIM_PX = 2  # one is read by bilinear filtering; the tips of charts that hold no middle of a texel need another
+
 
 @dataclass(frozen=True)
 class AtlasTexels:
@@ -28,7 +30,7 @@ class AtlasTexels:
 def atlas_texels(meshes: Sequence[Mesh], size_px: int, *, rim: bool = True) -> tuple[AtlasTexels, ...]:
     """The texels of each mesh in the atlas of `size_px` by `size_px` that their first coordinates share.
 
-    A ray falls through the centre of each texel onto the triangles laid out flat. With `rim` the texels that touch a
+    A ray falls through the centre of each texel onto the triangles laid out flat. With `rim` the texels around a
     chart show the nearest place of it: bilinear filtering reads them inside of the chart.
     """
     counts = [len(mesh.triangles) for mesh in meshes]
@@ -41,7 +43,8 @@ def atlas_texels(meshes: Sequence[Mesh], size_px: int, *, rim: bool = True) -> t
     faces, weights = hits.triangles.copy(), hits.weights
     if rim:
         inside = (faces >= 0).reshape(size_px, size_px)
-        touching = np.flatnonzero((binary_dilation(inside, np.ones((3, 3), dtype=bool)) & ~inside).ravel())
+        around = binary_dilation(inside, np.ones((3, 3), dtype=bool), iterations=_RIM_PX)
+        touching = np.flatnonzero((around & ~inside).ravel())
         centres = above[touching] * np.array([1.0, 1.0, 0.0])
         faces[touching], weights[touching], _ = chart.nearest(centres)
     shown = np.flatnonzero(faces >= 0)

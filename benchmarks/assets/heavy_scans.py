@@ -55,7 +55,7 @@ def quartered(mesh: Mesh) -> Mesh:
 
 
 def rippled_mesh(mesh: Mesh, size: float) -> Mesh:
-    """The mesh with waves along its normals, of lengths in proportion to `size`, and with normals of the new surface."""
+    """The mesh with waves along its normals, in proportion to `size`, and with normals of the new surface."""
     points, triangles = weld_points(mesh.points, mesh.triangles)
     corner = corner_normals(points, triangles, np.pi).astype(np.float64)
     normals = np.zeros_like(points)
@@ -63,9 +63,7 @@ def rippled_mesh(mesh: Mesh, size: float) -> Mesh:
     phase = 2.0 * np.pi * points / (RIPPLE_LENGTH_SHARE * size)
     waves = np.sin(phase[:, 0]) + np.sin(phase[:, 1]) + np.sin(phase[:, 2])
     moved = points + (RIPPLE_SHARE * size * waves)[:, None] * normals
-    return replace(
-        mesh, points=moved, triangles=triangles.astype(np.int32), normals=corner_normals(moved, triangles)
-    )
+    return replace(mesh, points=moved, triangles=triangles.astype(np.int32), normals=corner_normals(moved, triangles))
 
 
 def _separate(corners: FloatArray) -> tuple[FloatArray, np.ndarray]:

@@ -52,5 +52,4 @@ def out_of_frame(components: FloatArray, normals: FloatArray, tangents: FloatArr
 def _axes(normals: FloatArray, tangents: FloatArray, sides: FloatArray) -> tuple[FloatArray, FloatArray]:
     level = tangents - np.einsum("ki,ki->k", tangents, normals)[:, None] * normals
     T = level / np.maximum(np.linalg.norm(level, axis=1, keepdims=True), _TINY)
-    across: FloatArray = np.cross(normals, T)
-    return T, sides[:, None] * across
+    return T, sides[:, None] * np.asarray(np.cross(normals, T), dtype=np.float64)
