@@ -25,7 +25,8 @@ from schemas.arrays import FloatArray, IntArray
 from schemas.model import Mesh
 
 LEAST_FACES = 64  # of one mesh: fewer make no body of most shapes
-PADDING_PX = 8  # between charts: three halvings of the picture keep a texel of their own between two charts
+PICTURE_PER_PADDING = 256  # 8 texels between charts of 2048: three halvings of the picture leave one between two
+LEAST_PADDING_PX = 2
 # Bounded in processor time, so that a busy machine gives the same answer as an idle one. 250,000 faces take 6 s.
 REMESH_CPU_S = 120
 CELL = Limits(seconds=10.0 * REMESH_CPU_S, memory_mb=8192)
@@ -42,7 +43,8 @@ def remeshed(meshes: Sequence[Mesh], faces: int, size_px: int) -> tuple[Mesh, ..
     high = np.max([mesh.points.max(axis=0) for mesh in meshes], axis=0)
     centre, scale = 0.5 * (low + high), float((high - low).max()) or 1.0
     total = sum(len(mesh.triangles) for mesh in meshes)
-    job: dict[str, FloatArray | IntArray] = {"size_px": np.array(size_px), "padding_px": np.array(PADDING_PX)}
+    padding_px = max(LEAST_PADDING_PX, size_px // PICTURE_PER_PADDING)
+    job: dict[str, FloatArray | IntArray] = {"size_px": np.array(size_px), "padding_px": np.array(padding_px)}
     for k, mesh in enumerate(meshes):
         points, triangles = weld_points((mesh.points - centre) / scale, mesh.triangles)
         job[f"points_{k}"] = points

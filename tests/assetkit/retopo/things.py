@@ -44,9 +44,6 @@ def checkered_cube(cuts: int = 16) -> Model:
         for side in (-1.0, 1.0):
             a, b = (flat[:, 0] - 0.5) * side, flat[:, 1] - 0.5
             points = np.insert(np.stack([a, b], axis=1), axis, 0.5 * side, axis=1)
-            if axis == 1:
-                points[:, [0, 2]] *= -1.0 if side > 0 else 1.0
-                points[:, 0] *= -1.0 if side > 0 else 1.0
             normal = np.cross(points[square[0, 1]] - points[square[0, 0]], points[square[0, 2]] - points[square[0, 0]])
             wound = square if normal[axis] * side > 0 else square[:, ::-1]
             corners.append(points[wound] * EDGE_M)
@@ -57,6 +54,15 @@ def checkered_cube(cuts: int = 16) -> Model:
     mesh = Mesh("cube", points, triangles.astype(np.int32), uvs=(coordinates,), material=0)
     material = Material("paint", (1.0, 1.0, 1.0), TextureUse("checker"))
     return model_of(mesh, materials=(material,), textures=(checker(),))
+
+
+def side_uvs(points: FloatArray) -> FloatArray:
+    """(k, 2) coordinates of the picture at points (k, 3) on the cube, in closed form."""
+    axis = np.abs(points).argmax(axis=1)
+    side = np.sign(points[np.arange(len(points)), axis])
+    others = np.array([[1, 2], [0, 2], [0, 1]])[axis]
+    a, b = (points[np.arange(len(points)), others[:, k]] / EDGE_M for k in (0, 1))
+    return np.stack([a * side + 0.5, b + 0.5], axis=1)
 
 
 def checker(size_px: int = 256) -> Texture:
