@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PIL import Image
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from assetkit.retopo import bake as baking
 from assetkit.retopo.bake import Baked, bake, varying_fields
@@ -141,7 +141,7 @@ def test_bumps_become_normals_of_the_source_in_the_frame_of_the_coordinates() ->
     table = np.zeros_like(source.points)
     assert source.normals is not None
     table[source.triangles.reshape(-1)] = source.normals.reshape(-1, 3)
-    true = table[cKDTree(source.points).query(points)[1]]
+    true = table[KDTree(source.points).query(points)[1]]
     shaded = np.stack([frame_at(mesh, face, N) @ n for face, N, n in zip(faces, smooth, local, strict=True)])
     with_map, without = (degrees_between(found, true).mean() for found in (shaded, smooth))
     assert with_map < 0.35 * without

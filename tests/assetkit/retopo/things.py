@@ -85,7 +85,7 @@ def checker_colour(uvs: FloatArray) -> np.ndarray:
 
 def away_from_lines(uvs: FloatArray, margin: float = 0.02) -> np.ndarray:
     """(k,) whether coordinates lie farther than `margin` from every line of the checker and from its border."""
-    return (np.abs(uvs * CELLS - np.round(uvs * CELLS)) > margin * CELLS).all(axis=1)
+    return np.abs(uvs * CELLS - np.round(uvs * CELLS)).min(axis=1) > margin * CELLS
 
 
 def bumpy_sphere(subdivisions: int = 6) -> Model:
