@@ -21,7 +21,7 @@ from jobs.cell import CellResult, Limits, run_cell
 from schemas.diagnostics import InvalidInput, finding
 
 SYNTHESIS_FILE = "synthesis.json"
-MOST_BYTES = 2 * 2**30
+MOST_ANSWER_BYTES = 2 * 2**30
 MOST_FILES = 256
 _MOST_OUTPUT_CHARACTERS = 200
 
@@ -78,8 +78,8 @@ def _only_model(folder: Path, program: str) -> Path:
     files = [path for path in folder.rglob("*") if not path.is_dir() or path.is_symlink()]
     if any(path.is_symlink() or not path.is_file() for path in files):
         raise _failed(program, "it wrote a link or a special file")
-    if len(files) > MOST_FILES or sum(path.stat().st_size for path in files) > MOST_BYTES:
-        raise _failed(program, f"it wrote more than {MOST_FILES} files or {MOST_BYTES >> 30} GiB")
+    if len(files) > MOST_FILES or sum(path.stat().st_size for path in files) > MOST_ANSWER_BYTES:
+        raise _failed(program, f"it wrote more than {MOST_FILES} files or {MOST_ANSWER_BYTES >> 30} GiB")
     models = discover([folder])
     if len(models) != 1:
         raise _failed(program, f"it wrote {len(models)} models instead of one")

@@ -33,7 +33,7 @@ TEXTURE_NAMES = {
     "orm": "retopo_orm",
 }
 _PNG_LEVEL = 4  # a fifth larger than level 6 in a third of the time
-_CHUNK = 1 << 19  # texels at a time: 200 MB of rays and values
+_TEXELS_AT_A_TIME = 1 << 19  # texels at a time: 200 MB of rays and values
 _REACH_SAMPLES = 20_000
 _METHOD = "baked from the source surface by rays along the normals of the light mesh"
 _SMOOTH_RAD = float(np.pi)
@@ -102,13 +102,13 @@ def _paint(canvas: _Canvas, surface: Surface, light: Mesh, texels: AtlasTexels, 
     outward = corner_normals(light.points, light.triangles, _SMOOTH_RAD).astype(np.float64)
     normals = np.zeros((0, 3, 3)) if light.normals is None else light.normals.astype(np.float64)
     frames = tangent_frames(light.points, light.triangles, light.uvs[0])
-    found = 0.0
-    for start in range(0, len(texels.rows), _CHUNK):
-        part = slice(start, start + _CHUNK)
+    hit_count = 0.0
+    for start in range(0, len(texels.rows), _TEXELS_AT_A_TIME):
+        part = slice(start, start + _TEXELS_AT_A_TIME)
         faces, weights = texels.faces[part], texels.weights[part]
         places, ways, shaded = (np.einsum("kc,kcx->kx", weights, of[faces]) for of in (corners, outward, normals))
         there = projector(places, unit(ways), reach)
-        found += float(there.by_ray.sum())
+        hit_count += float(there.by_ray.sum())
         target = (texels.rows[part], texels.columns[part])
         for field in fields:
             if field in ORM:
@@ -119,7 +119,7 @@ def _paint(canvas: _Canvas, surface: Surface, light: Mesh, texels: AtlasTexels, 
                 tilted = surface.shaded_normals(there.faces, there.weights)
                 local = into_frame(tilted, unit(shaded), frames.tangents[faces], frames.sides[faces])
                 canvas.put(NORMAL_FIELD, target, local)
-    return found
+    return hit_count
 
 
 class _Canvas:
@@ -147,7 +147,7 @@ class _Canvas:
 
     def textures(self) -> tuple[Texture, ...]:
         """The maps as PNG, their charts continued beyond their edges."""
-        made: list[Texture] = []
+        encoded: list[Texture] = []
         for name, picture in self._pictures.items():
             full = dilated(picture, self._painted[name], DILATION_PX)
             if name == NORMAL_FIELD:
@@ -157,8 +157,8 @@ class _Canvas:
             levels = np.round(np.clip(full, 0.0, 1.0)[::-1] * 255.0).astype(np.uint8)
             stream = io.BytesIO()
             Image.fromarray(levels).save(stream, "PNG", compress_level=_PNG_LEVEL)
-            made.append(Texture(TEXTURE_NAMES[name], stream.getvalue(), "png", levels.shape[1], levels.shape[0]))
-        return tuple(made)
+            encoded.append(Texture(TEXTURE_NAMES[name], stream.getvalue(), "png", levels.shape[1], levels.shape[0]))
+        return tuple(encoded)
 
 
 def _with_maps(material: Material, fields: frozenset[str]) -> Material:

@@ -42,7 +42,7 @@ def main(source: str, target: str, cpu_seconds: int) -> None:
     results: dict[str, np.ndarray] = {}
     for k, (points, triangles) in enumerate(surfaces):
         results |= {f"points_{k}": points, f"triangles_{k}": triangles, f"uvs_{k}": uvs[k]}
-    np.savez(target, **results)  # pyright: ignore[reportArgumentType]
+    np.savez(target, allow_pickle=False, **results)
 
 
 def simplified(points: np.ndarray, triangles: np.ndarray, faces: int) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from schemas.arrays import AnyFloatArray, FloatArray, IntArray
 
-_TINY = 1e-30
+_LEAST_TANGENT = 1e-30
 
 
 class TangentFrames(NamedTuple):
@@ -33,7 +33,7 @@ def tangent_frames(points: FloatArray, triangles: IntArray, uvs: AnyFloatArray) 
     (u1, v1), (u2, v2) = (np.moveaxis(uvs[:, k].astype(np.float64) - uvs[:, 0], 1, 0) for k in (1, 2))
     det = u1 * v2 - u2 * v1
     tangents = np.where(det < 0.0, -1.0, 1.0)[:, None] * ((b - a) * v2[:, None] - (c - a) * v1[:, None])
-    flat = (np.abs(det) < _TINY) | ~(np.linalg.norm(tangents, axis=1) > 0.0)
+    flat = (np.abs(det) < _LEAST_TANGENT) | ~(np.linalg.norm(tangents, axis=1) > 0.0)
     return TangentFrames(np.where(flat[:, None], b - a, tangents), np.where(det < 0.0, -1.0, 1.0))
 
 
@@ -51,5 +51,5 @@ def out_of_frame(components: FloatArray, normals: FloatArray, tangents: FloatArr
 
 def _axes(normals: FloatArray, tangents: FloatArray, sides: FloatArray) -> tuple[FloatArray, FloatArray]:
     level = tangents - np.einsum("ki,ki->k", tangents, normals)[:, None] * normals
-    T = level / np.maximum(np.linalg.norm(level, axis=1, keepdims=True), _TINY)
+    T = level / np.maximum(np.linalg.norm(level, axis=1, keepdims=True), _LEAST_TANGENT)
     return T, sides[:, None] * np.asarray(np.cross(normals, T), dtype=np.float64)

@@ -73,8 +73,8 @@ def colour_errors(baked: Baked) -> np.ndarray:
     points, uvs = places(baked.meshes[0], 20_000)
     expected = side_uvs(points)
     far = away_from_lines(expected)
-    found = read_off(levels(baked, "retopo_base_color"), uvs[far])
-    return np.abs(found - checker_colour(expected[far])).mean(axis=1)
+    sampled = read_off(levels(baked, "retopo_base_color"), uvs[far])
+    return np.abs(sampled - checker_colour(expected[far])).mean(axis=1)
 
 
 @pytest.fixture(scope="module")
@@ -143,7 +143,7 @@ def test_bumps_become_normals_of_the_source_in_the_frame_of_the_coordinates() ->
     table[source.triangles.reshape(-1)] = source.normals.reshape(-1, 3)
     true = table[KDTree(source.points).query(points)[1]]
     shaded = np.stack([frame_at(mesh, face, N) @ n for face, N, n in zip(faces, smooth, local, strict=True)])
-    with_map, without = (degrees_between(found, true).mean() for found in (shaded, smooth))
+    with_map, without = (degrees_between(sampled, true).mean() for sampled in (shaded, smooth))
     assert with_map < 0.35 * without
     downward = np.stack(
         [frame_at(mesh, face, N) @ (n * (1, -1, 1)) for face, N, n in zip(faces, smooth, local, strict=True)]
@@ -154,12 +154,12 @@ def test_bumps_become_normals_of_the_source_in_the_frame_of_the_coordinates() ->
 def shading_at(mesh: Mesh, points: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """(k, 3) interpolated normals; weights from the least squares of the corners."""
     assert mesh.normals is not None
-    found = []
+    sampled = []
     for point, face in zip(points, faces, strict=True):
         system = np.concatenate([mesh.points[mesh.triangles[face]].T, np.ones((1, 3))])
         weights = np.linalg.lstsq(system, np.append(point, 1.0), rcond=None)[0]
-        found.append(weights @ mesh.normals[face])
-    return np.stack(found) / np.linalg.norm(found, axis=1, keepdims=True)
+        sampled.append(weights @ mesh.normals[face])
+    return np.stack(sampled) / np.linalg.norm(sampled, axis=1, keepdims=True)
 
 
 def frame_at(mesh: Mesh, face: int, N: np.ndarray) -> np.ndarray:
@@ -211,6 +211,6 @@ def test_a_mesh_whose_colours_are_on_its_corners_gets_a_material() -> None:
     (index, material) = baked.meshes[0].material, baked.materials[0]
     assert (index, material.base_color) == (0, (1.0, 1.0, 1.0))
     points, uvs = places(baked.meshes[0], 2000)
-    found = read_off(levels(baked, "retopo_base_color"), uvs)
+    sampled = read_off(levels(baked, "retopo_base_color"), uvs)
     far = np.abs(points[:, 0]) > 0.02
-    assert ((found[far, 0] > 200) == (points[far, 0] > 0.0)).mean() > 0.99
+    assert ((sampled[far, 0] > 200) == (points[far, 0] > 0.0)).mean() > 0.99

@@ -73,7 +73,7 @@ def test_a_light_source_and_a_library_that_ends_leave_the_source(
 
 
 @pytest.mark.parametrize(
-    "own",
+    "layered",
     [
         Material("leaf", base_color_texture=TextureUse("checker"), alpha_mode="mask"),
         Material("hair", base_color_texture=TextureUse("checker"), anisotropy=Anisotropy(0.5)),
@@ -81,18 +81,18 @@ def test_a_light_source_and_a_library_that_ends_leave_the_source(
     ],
     ids=lambda material: material.name,
 )
-def test_a_mesh_whose_material_needs_its_own_coordinates_stays_as_it_is(tmp_path: Path, own: Material) -> None:
+def test_a_mesh_whose_material_needs_its_own_coordinates_stays_as_it_is(tmp_path: Path, layered: Material) -> None:
     model = checkered_cube()
     (mesh,) = model.meshes
     beside = replace(mesh, name="own", points=mesh.points + np.array([0.15, 0.0, 0.0]), material=1)
-    pair = replace(model, meshes=(mesh, beside), materials=(*model.materials, own)).with_mesh_ids()
+    pair = replace(model, meshes=(mesh, beside), materials=(*model.materials, layered)).with_mesh_ids()
     outcome = retopologize(pair, 100, PX, tmp_path)
     assert outcome.value is not None
     section = outcome.value.section
     assert section is not None
     assert (section.meshes, section.kept) == (("cube",), ("own",))
     assert outcome.value.meshes[1] is pair.meshes[1]
-    assert outcome.value.materials[1] == own
+    assert outcome.value.materials[1] == layered
     assert "checker" in {texture.name for texture in outcome.value.textures}
 
 
