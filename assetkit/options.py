@@ -63,6 +63,7 @@ class Options(BaseModel):
     shell_thickness_m: float | None = Field(default=None, gt=0.0, description="wall thickness of open surfaces")
     max_triangles: int = Field(default=200_000, description="visual triangles above which a mesh is reduced")
     max_texture: int | None = Field(default=None, ge=16, description="pixels a side above which textures are reduced")
+    retopo: int | None = Field(default=None, ge=64, le=200_000, description="triangles of a light mesh; None: as it is")
     max_objects: int = Field(default=24, description="separate objects in one file above which a person decides")
     decisions: tuple[Decision, ...] = Field(default=(), description="of people about this very source, oldest first")
     outdated: tuple[Decision, ...] = Field(default=(), description="about its earlier content; told, never used")

@@ -26,6 +26,7 @@ from assetkit.stages.intake import ReadSource
 from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.physics import AuthorPhysics
 from assetkit.stages.previews import RenderPreviews
+from assetkit.stages.retopology import Retopologize
 from assetkit.stages.semantics import DescribeObject
 from assetkit.steps import Pipeline, Refinement, Retry, Step
 from assetkit.storage import finding_from_exception, storage_failed
@@ -43,6 +44,7 @@ INTAKE = ReadSource()
 # often at most and through which stages stands here alone: the stages themselves know no order.
 STAGES = Pipeline(
     (
+        Step(Retopologize()),
         Step(Canonicalize()),
         Step(NormalizeAppearance()),
         Step(DescribeObject(), refines=Refinement(("canonicalize",), revise_by_semantics, at_most=1)),
@@ -133,7 +135,7 @@ def _process_object(draft: Draft, tools: Tools, log: StageLog, out: Path, store:
 
     def rerun(attempt: Draft, notes: StageLog, first_stage: str) -> Draft | None:
         previous = STAGES.before(first_stage)
-        before = notes.entries[previous.name].key if previous else key
+        before = notes.entries[previous.name].key if previous and previous.name in notes.entries else key
         return run_stages(attempt, tools, notes, cache, before, STAGES.from_stage(first_stage))
 
     finished = run_stages(draft, tools, log, cache, key, STAGES)
@@ -159,6 +161,8 @@ def run_stages(draft: Draft, tools: Tools, log: StageLog, cache: Cache, key: str
     Where a step refines the frame, the stages that it names run again in the new one; its log entry has the reasons.
     """
     for step in pipeline.steps[pipeline.start :]:
+        if not step.stage.wanted(tools.options):
+            continue
         pending: tuple[Stage, ...] = (step.stage,)
         while pending:
             for stage in pending:

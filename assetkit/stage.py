@@ -30,6 +30,7 @@ from schemas.outcome import Outcome, Repair
 from schemas.package import LinkBody
 from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, Solid, SurfaceMaterial
+from schemas.retopology import RetopologySection
 from sim.port import Simulator
 
 
@@ -90,6 +91,18 @@ class LinkSurface:
     link: str
     solid: Solid
     wall: Evidence[float] | None = None
+
+
+@dataclass(frozen=True)
+class Retopology:
+    """Meshes, materials and textures in place of the source's, in its units and axes; `section` where it was tried."""
+
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
+    meshes: tuple[Mesh, ...]
+    materials: tuple[Material, ...]
+    textures: tuple[Texture, ...]
+    section: RetopologySection | None = None
 
 
 @dataclass(frozen=True)
@@ -191,10 +204,11 @@ class Acceptance:
     withdrawn_roles: tuple[str, ...] = ()
 
 
-StageResult = Canonical | Appearance | Semantics | Interaction | Physics | Previews | Acceptance
+StageResult = Retopology | Canonical | Appearance | Semantics | Interaction | Physics | Previews | Acceptance
 R = TypeVar("R", bound=StageResult)
 # The field of a draft that holds a result of each type; it bears the name of the stage that makes it.
 RESULT_FIELDS: dict[type[StageResult], str] = {
+    Retopology: "retopology",
     Canonical: "canonicalize",
     Appearance: "appearance",
     Semantics: "semantics",
@@ -233,6 +247,7 @@ class Draft:
     asset_id: str
     source_name: str
     intake: Intake
+    retopology: Retopology | None = None
     canonicalize: Canonical | None = None
     appearance: Appearance | None = None
     semantics: Semantics | None = None
@@ -258,9 +273,18 @@ class Draft:
         return replace(self, **{name: None for result, name in RESULT_FIELDS.items() if result not in reads})
 
     @property
+    def item(self) -> Intake:
+        """The object to make canonical: as read, with the light meshes of retopology where there are some."""
+        light = self.retopology
+        if light is None:
+            return self.intake
+        model = replace(self.intake.model, meshes=light.meshes, materials=light.materials, textures=light.textures)
+        return replace(self.intake, model=model)
+
+    @property
     def model(self) -> Model:
         """The model as far as it has come: canonical meshes and final materials where they exist."""
-        source = self.intake.model
+        source = self.item.model
         return Model(
             meshes=self.canonicalize.meshes if self.canonicalize else source.meshes,
             materials=self.appearance.materials if self.appearance else source.materials,
@@ -306,6 +330,10 @@ class Stage(Protocol):
     def accepts(self, draft: Draft) -> list[Diagnostic]:
         """Cheap findings that forbid running; none unless a stage overrides this. No side effects."""
         return []
+
+    def wanted(self, options: Options) -> bool:
+        """Whether the stage runs at all; always unless a stage overrides this."""
+        return True
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[StageResult]:
         """The stage's result, an instance of `result`."""

@@ -18,12 +18,14 @@ _LIBRARIES = (
     "numpy",
     "open3d",
     "pybullet",
+    "pymeshlab",
     "scipy",
     "simready-validate",
     "trimesh",
     "usd-core",
     "vhacdx",
     "vtk",
+    "xatlas",
 )
 
 

@@ -8,7 +8,7 @@ from pydantic import ConfigDict
 
 from render.camera import STANDARD_VIEWS, CameraView
 from render.drawn_grasp import DrawnGrasp
-from schemas.arrays import IntArray
+from schemas.arrays import FloatArray, IntArray
 from schemas.model import Model
 from schemas.physics import CollisionShape
 
@@ -26,6 +26,7 @@ class RenderRequest:
     size_px  edge of the square pictures; the thumbnail is always 256.
     views    camera directions; each gives the picture of its name.
     joints   draw `joints.png`, the strip of the mechanism of the model; nothing for a rigid model.
+    box_m    the lowest and highest corner of the box that the pictures show; None: that of the model.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
@@ -39,3 +40,4 @@ class RenderRequest:
     parts: tuple[str, ...] = ()
     part_of: IntArray | None = None
     joints: bool = False
+    box_m: tuple[FloatArray, FloatArray] | None = None

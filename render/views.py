@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
-from render.camera import HERO_VIEW, AnnotationFrame, camera, model_frame
+from render.camera import HERO_VIEW, AnnotationFrame, annotation_frame, camera, model_frame
 from render.collision import collision_actors, shape_mesh
 from render.grasps import grasp_actors, half_extents
 from render.joints import draw_strip
@@ -35,7 +35,7 @@ def render_all(request: RenderRequest) -> dict[str, Path]:
     """
     folder = Path(request.out_dir)
     folder.mkdir(parents=True, exist_ok=True)
-    frame = model_frame(request.model)
+    frame = model_frame(request.model) if request.box_m is None else annotation_frame(*request.box_m)
     parts = tuple(part for part in surfaces(request.model, frame) if len(part.points))
     window, renderer = take_studio()
     renderer.AddActor(floor(surface_samples(parts), bottom=-frame.extent[2] / 2.0))

@@ -19,6 +19,7 @@ from schemas.model import Axis
 from schemas.outcome import ItemOutcome, Repair
 from schemas.parts import Part
 from schemas.physics import Contact, Fidelity
+from schemas.retopology import RetopologySection
 
 SCHEMA_VERSION = "1.0"
 RECORD = "record.json"
@@ -130,7 +131,7 @@ class GeometrySection(_Section):
         default=(1.0, 0.0, 0.0, 0.0), description="axes of the source, seen from the asset frame"
     )
     annotation_frame: AnnotationFrame
-    observed: tuple[Topology, ...] = Field(description="per mesh as read, then `merged`")
+    observed: tuple[Topology, ...] = Field(description="per mesh as read, or as retopology made it, then `merged`")
     reobserved: Topology
     solid_kind: Literal["closed", "shell", "hull"]
     volume_m3: Evidence[float]
@@ -324,6 +325,7 @@ class AssetRecord(_Section):
     anchors: tuple[Evidence[Anchor], ...] = ()
     joint_uses: tuple[JointUse, ...] = Field(default=(), exclude_if=lambda uses: not uses)
     physics: PhysicsSection
+    retopology: RetopologySection | None = Field(default=None, exclude_if=lambda section: section is None)
     acceptance: AcceptanceSection
     diagnostics: tuple[Diagnostic, ...] = ()
     repairs: tuple[Repair, ...] = ()

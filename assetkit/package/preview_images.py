@@ -16,6 +16,7 @@ from assetkit.storage import require_storage
 from geom.mechanism_pose import link_motions
 from jobs.cell import Limits
 from jobs.warm import run_module
+from render.camera import STANDARD_VIEWS
 from render.drawn_grasp import DrawnGrasp
 from render.motion_request import MotionRequest
 from render.request import RenderRequest
@@ -27,6 +28,7 @@ from schemas.physics import CollisionShape
 
 T = TypeVar("T")
 MOTION_PX = 512
+VIEW_PX = 512
 LIMITS = Limits(seconds=120.0, memory_mb=6144)
 
 
@@ -51,6 +53,20 @@ def render_previews(
         legend, part_of = _shown(model, parts)
         request = RenderRequest(model, shapes, place, grasps=grasps, parts=legend, part_of=part_of, joints=joints)
         return {p.stem: p.read_bytes() for p in _drawn(request, RenderRequest, "render", Path(place))}
+
+
+def render_views(
+    model: Model, box_m: tuple[FloatArray, FloatArray], work_dir: Path, size_px: int = VIEW_PX
+) -> dict[str, bytes]:
+    """PNG bytes of the standard views of a model by name, framed by the box between two corners (3,).
+
+    Models in the same box are seen by the same cameras. Raises as `render_previews`.
+    """
+    work_dir.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=work_dir) as place:
+        request = RenderRequest(model, (), place, size_px, box_m=box_m)
+        pictures = {p.stem: p.read_bytes() for p in _drawn(request, RenderRequest, "render", Path(place))}
+    return {view.name: pictures[view.name] for view in STANDARD_VIEWS}
 
 
 def render_joints(model: Model, positions: Sequence[Mapping[str, float]], work_dir: Path) -> list[bytes]:

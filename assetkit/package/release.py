@@ -140,6 +140,7 @@ def _record(draft: Draft, log: StageLog, hashes: Mapping[str, str]) -> AssetReco
         anchors=draft[Acceptance].anchors,
         joint_uses=with_swept_volumes(draft[Interaction].joint_uses, draft[Physics].swept),
         physics=draft[Physics].section,
+        retopology=draft.retopology.section if draft.retopology else None,
         acceptance=draft[Acceptance].section,
         diagnostics=log.diagnostics,
         repairs=log.repairs,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assetkit.materials.normalize import normalize
-from assetkit.stage import Appearance, Canonical, Draft, Stage, Tools
+from assetkit.stage import Appearance, Canonical, Draft, Retopology, Stage, Tools
 from schemas.outcome import Outcome
 
 
@@ -13,7 +13,7 @@ class NormalizeAppearance(Stage):
     name = "appearance"
     version = 5
     result = Appearance
-    reads = (Canonical,)
+    reads = (Retopology, Canonical)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Appearance]:
         """Materials and textures as released, and a record of their values with the evidence."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assetkit.geometry.canonical_model import canonicalize
-from assetkit.stage import Canonical, Draft, Stage, Tools
+from assetkit.stage import Canonical, Draft, Retopology, Stage, Tools
 from schemas.outcome import Outcome
 
 
@@ -13,7 +13,8 @@ class Canonicalize(Stage):
     name = "canonicalize"
     version = 10
     result = Canonical
+    reads = (Retopology,)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Canonical]:
         """Canonical meshes, the physical surface and the geometry section."""
-        return canonicalize(draft.intake, draft.source_name, tools.options, draft.frame)
+        return canonicalize(draft.item, draft.source_name, tools.options, draft.frame)

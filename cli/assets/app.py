@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shlex
 import shutil
 import sys
 from pathlib import Path
@@ -25,13 +24,14 @@ from cli.assets.accept import accept_command, show_exercised, show_suites
 from cli.assets.doctor import doctor_command
 from cli.assets.generate import generate_command
 from cli.assets.listing import list_command, stats_command
+from cli.assets.program import program_stated
 from cli.assets.progress import shown_progress
 from cli.assets.review import review_command
 from cli.assets.search import search_command
+from cli.assets.synthesize import synthesize_command
 from cli.engines import SIMULATOR
 from cli.findings import show_findings
 from cli.placement import Scheduler, placement_of
-from jobs.cache import content_key, file_sha256
 from jobs.cell import Limits
 from schemas.acceptance import SuiteSection
 from schemas.asset import Role
@@ -64,6 +64,9 @@ def ingest_command(
     ] = None,
     max_texture: Annotated[
         int | None, typer.Option("--max-texture", min=16, help="Pixels a side above which textures are made smaller.")
+    ] = None,
+    retopo: Annotated[
+        int | None, typer.Option("--retopo", min=64, help="Triangles of a light mesh with baked maps; none by default.")
     ] = None,
     annotator_url: Annotated[
         str | None,
@@ -127,6 +130,7 @@ def ingest_command(
         author=author,
         shell_thickness_m=None if shell_thickness is None else shell_thickness / 1000.0,
         max_texture=max_texture,
+        retopo=retopo,
     )
     with shown_progress(quiet=as_json) as progress:
         report = ingest(
@@ -169,18 +173,10 @@ def endpoint_stated(
 
 def segmenter_stated(command: str, seconds: float, timeout: float) -> SegmenterCommand:
     """The program that `--segmenter` names. Raises typer.BadParameter for what cannot run or may outlive its asset."""
-    try:
-        words = shlex.split(command)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--segmenter") from None
-    if not words or shutil.which(words[0]) is None:
-        raise typer.BadParameter("names no program that can be run", param_hint="--segmenter")
+    program = program_stated(command, "--segmenter")
     if not 0.0 < seconds < timeout:
         raise typer.BadParameter("must be above zero and below --timeout", param_hint="--segmenter-timeout")
-    # The worker may stand in another folder than the user.
-    whole = tuple(str(Path(word).absolute()) if Path(word).is_file() else word for word in words)
-    digest = content_key([file_sha256(Path(word)) for word in whole if Path(word).is_file()])
-    return SegmenterCommand(command=whole, seconds=seconds, digest=digest)
+    return SegmenterCommand(command=program.command, seconds=seconds, digest=program.digest)
 
 
 app.command("accept")(accept_command)
@@ -188,6 +184,7 @@ app.command("doctor")(doctor_command)
 app.command("list")(list_command)
 app.command("stats")(stats_command)
 app.command("generate")(generate_command)
+app.command("synthesize")(synthesize_command)
 app.command("search")(search_command)
 app.command("review")(review_command)
 

@@ -116,6 +116,12 @@ INTAKE_CODES: dict[str, CodeInfo] = {
         "system keeps from this user is unknown, not damaged.",
         "give a regular file that this user may read",
     ),
+    "asset/synthesis-failed": CodeInfo(
+        "error",
+        "The generative model gave no usable mesh",
+        "The program ended with an error, was late, or did not write exactly one model file that Mana reads.",
+        "run the program by hand with its request, see docs/how-to/retopology.md",
+    ),
     "asset/storage-failed": CodeInfo(
         "error",
         "A file of Mana's own could not be written or read",

@@ -188,6 +188,24 @@ SHAPE_CODES: dict[str, CodeInfo] = {
         "The package takes less memory; fine detail is lost.",
         "raise --max-texture to keep more of it",
     ),
+    "asset/retopology": CodeInfo(
+        "info",
+        "A light mesh with baked maps was released in place of a heavy one",
+        "It looks alike within the bounds and simulates and draws in a fraction of the time; relief is a normal map.",
+        "nothing; leave out --retopo to keep the source mesh, or raise its number of faces",
+    ),
+    "asset/retopology-unlike-source": CodeInfo(
+        "warning",
+        "A light mesh does not look like its source, so the source mesh is kept",
+        "Silhouettes or colours in the standard views differ by more than the bound.",
+        "raise the number of faces of --retopo",
+    ),
+    "asset/retopology-skipped": CodeInfo(
+        "info",
+        "The source mesh is kept, no light one was made",
+        "It has no more triangles than wanted, its materials need their own texture coordinates, or a library ended.",
+        "nothing, or state fewer faces with --retopo",
+    ),
     "asset/baked-lighting-suspected": CodeInfo(
         "info",
         "The base colour seems to hold light and shadow",

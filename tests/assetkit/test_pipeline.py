@@ -24,6 +24,7 @@ from schemas.outcome import ItemOutcome, Outcome
 from sim.fake import FakeSimulator
 from tests.support.bad_inputs.assets import CUBE, LYING_CUP, obj_text
 
+FIRST = STAGES.steps[0]
 QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
@@ -61,7 +62,7 @@ def turned_again(draft: Draft) -> Revision:
 def test_a_loop_that_would_not_end_is_stopped_and_goes_to_a_person(tmp_path: Path, at_most: int) -> None:
     stage = Counted(Canonicalize())
     loop = Refinement(("canonicalize",), turned_again, at_most)
-    draft, log = run(source(tmp_path), Pipeline((Step(stage, loop),)), tmp_path)
+    draft, log = run(source(tmp_path), Pipeline((FIRST, Step(stage, loop))), tmp_path)
     assert stage.runs == 1 + at_most
     assert (np.linalg.matrix_power(QUARTER.astype(int), at_most) == draft[Canonical].R_AS).all()
     (unsettled,) = [d for d in log.diagnostics if d.code == "asset/frame-unsettled"]
@@ -109,7 +110,7 @@ class FailsInAnotherFrame(Counted):
 def test_a_stage_that_fails_in_its_new_frame_ends_the_object(tmp_path: Path) -> None:
     step = Step(FailsInAnotherFrame(Canonicalize()), Refinement(("canonicalize",), turned_again, 1))
     after = Counted(NormalizeAppearance())
-    _, log = run(source(tmp_path), Pipeline((step, Step(after))), tmp_path)
+    _, log = run(source(tmp_path), Pipeline((FIRST, step, Step(after))), tmp_path)
     assert log.rejected
     assert after.runs == 0
     assert log.entries["canonicalize"].repeats[0].reasons == {RepeatReason.FRONT: {"turn_deg": 90.0}}
@@ -124,4 +125,4 @@ def test_a_result_that_a_stage_does_not_declare_is_refused_in_every_run(tmp_path
             return super().run(draft, tools)
 
     with pytest.raises(MissingResult, match="holds no Canonical here"):
-        run(source(tmp_path), Pipeline((Step(Canonicalize()), Step(Undeclared()))), tmp_path)
+        run(source(tmp_path), Pipeline((FIRST, Step(Canonicalize()), Step(Undeclared()))), tmp_path)

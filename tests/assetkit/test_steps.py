@@ -24,12 +24,13 @@ from assetkit.stages.appearance import NormalizeAppearance
 from assetkit.stages.canonicalize import Canonicalize
 from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.physics import AuthorPhysics
+from assetkit.stages.retopology import Retopologize
 from assetkit.stages.semantics import DescribeObject
 from assetkit.steps import InvalidPipeline, Pipeline, Refinement, Retry, Step
 from schemas.evidence import declared
 from schemas.model import Model
 
-FIRST = (Step(Canonicalize()), Step(NormalizeAppearance()))
+FIRST = (Step(Retopologize()), Step(Canonicalize()), Step(NormalizeAppearance()))
 
 
 def empty() -> Draft:
@@ -48,10 +49,10 @@ def retry(first_stage: str, at_most: int = 1) -> Retry:
 @pytest.mark.parametrize(
     ("steps", "reason"),
     [
-        ((Step(NormalizeAppearance()),), "'appearance' reads Canonical, which no earlier stage makes"),
+        ((FIRST[0], Step(NormalizeAppearance())), "'appearance' reads Canonical, which no earlier stage makes"),
         ((*FIRST, Step(ProposeParts())), "'interaction' reads Semantics"),
         ((*FIRST, Step(DescribeObject()), Step(AuthorPhysics())), "'physics' reads Interaction"),
-        ((*FIRST, FIRST[0]), "'canonicalize' occurs twice"),
+        ((*FIRST, FIRST[1]), "'canonicalize' occurs twice"),
         ((*FIRST, Step(DescribeObject(), loop("physics"))), "sends a draft to physics, which has not run"),
         ((*FIRST, Step(DescribeObject(), loop("appearance", "canonicalize"))), "repeats stages out of their order"),
         ((*FIRST, Step(DescribeObject(), loop("canonicalize", at_most=0))), "a loop of no pass"),
@@ -92,9 +93,9 @@ def test_a_stage_sees_only_what_it_reads(step: Step) -> None:
 def test_parts_of_the_pipeline_keep_its_order() -> None:
     names = [step.name for step in STAGES.steps]
     assert names == list(RESULT_FIELDS.values())
-    assert [step.name for step in STAGES.up_to("semantics").steps] == names[:3]
-    assert STAGES.from_stage("physics").start == 4
+    assert [step.name for step in STAGES.up_to("semantics").steps] == names[:4]
+    assert STAGES.from_stage("physics").start == 5
     before = STAGES.before("physics")
     assert before is not None
-    assert (before.name, STAGES.before("canonicalize")) == ("interaction", None)
+    assert (before.name, STAGES.before("retopology")) == ("interaction", None)
     assert np.all([stage.name in names for stage in STAGES.stages("canonicalize", "physics")])
