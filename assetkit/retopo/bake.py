@@ -171,7 +171,7 @@ def _with_maps(material: Material, fields: frozenset[str]) -> Material:
             name = TEXTURE_NAMES["orm" if field in ORM else field]
             uses[field] = TextureUse(name, ORM.get(field, "rgb"), wrap_s="clamp", wrap_t="clamp")
             origins[field] = _origin(origins.get(field))
-    return replace(material, **uses, normal_scale=1.0, origins=origins)
+    return replace(material, **uses, normal_scale=1.0, normal_green="up", origins=origins)
 
 
 def _origin(before: Origin | None) -> Origin:

@@ -7,6 +7,7 @@ Sources: Wavefront "Advanced Visualizer" appendix B (MTL 4.2) and the PBR extens
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -143,7 +144,7 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
         anisotropy=_anisotropy(values),
         unmapped=_unmapped(block, values, taken),
     )
-    return replace(material, origins=_origins(material, block, metal=metal is not None)), notes + opacity_notes
+    return replace(material, origins=_origins(material, block, maps, metal=metal is not None)), notes + opacity_notes
 
 
 def _sheen(values: dict[str, tuple[float, ...]]) -> Sheen | None:
@@ -184,9 +185,9 @@ _STATEMENTS: dict[str, tuple[str, ...]] = {
 }
 
 
-def _origins(material: Material, block: _Block, *, metal: bool) -> dict[str, Origin]:
-    """The statement behind each value, and how sure a conversion is."""
-    stated = {key: statement.keyword for key, statement in block.statements.items()}
+def _origins(material: Material, block: _Block, maps: Mapping[str, TextureUse], *, metal: bool) -> dict[str, Origin]:
+    """The statement behind each value, and how sure a conversion is; pictures that are absent are behind none."""
+    stated = {key: s.keyword for key, s in block.statements.items() if key not in _MAPS or key in maps}
     origins = origins_of(material, _STATEMENTS, stated, exponent="ns", metal=metal)
     if block.statements.keys() & {"bump", "map_bump"} and "norm" not in block.statements and material.normal_texture:
         origins["normal_texture"] = Origin("inferred", "bump, whose picture holds normals", PHONG_CONFIDENCE)

@@ -100,3 +100,9 @@ def test_whatever_differs_from_the_default_has_an_origin(statements: str, tmp_pa
     default = Material(got.name)
     differing = {f.name for f in fields(Material) if getattr(got, f.name) != getattr(default, f.name)}
     assert differing - {"origins", "unmapped", "normal_green"} <= {field.partition(".")[0] for field in got.origins}
+
+
+def test_an_absent_picture_is_behind_no_value(tmp_path: Path):
+    got = of_mtl(tmp_path, "Kd 0.2 0.3 0.4\nmap_Kd absent.png\nmap_Pr absent.png\nPr 0.25")
+    assert (got.base_color_texture, got.roughness_texture) == (None, None)
+    assert (got.origins["base_color"].method, got.origins["roughness"].method) == ("Kd", "Pr")
