@@ -1,7 +1,8 @@
 """`python -m tests.suites.fuzz.cell TASK.json NOTES.jsonl`: a cell that reads many damaged copies of one seed in turn.
 
-Each case ends by itself within its seconds, or the kernel ends the cell (SIGALRM), whatever native code does; the
-driver starts another cell behind it. The notes hold a line when a case starts and one when it has ended.
+Each case ends by itself, or the kernel ends the cell when its processor time is spent (SIGPROF) or it waits for too
+long (SIGALRM), whatever native code does; the driver starts another cell behind it. The notes hold a line when a case
+starts and one when it has ended.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from tests.suites.fuzz.outside import Watch, make_outside
 from tests.suites.fuzz.readers.by_format import READERS
 from tests.suites.fuzz.seeds import Seed
 
+WAITING_FACTOR = 4.0  # wall seconds for each second of processor time: other processes may want the processor
 _RESET_PEAK = "5"  # proc(5), clear_refs: resets the peak of resident memory
 
 
@@ -40,7 +42,8 @@ def main(task_file: str, notes_file: str) -> None:
 def _read(seed: Seed, folder: Path, file: Path, watch: Watch, seconds: float) -> dict[str, object]:
     watch.events()
     Path("/proc/self/clear_refs").write_text(_RESET_PEAK)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_REAL, WAITING_FACTOR * seconds)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     started = time.monotonic()
     try:
         note = asdict(READERS[seed.format](folder, file))
@@ -48,6 +51,7 @@ def _read(seed: Seed, folder: Path, file: Path, watch: Watch, seconds: float) ->
         note = {"codes": ["(out of memory)"], "memory": True}
     wall_s = time.monotonic() - started
     signal.setitimer(signal.ITIMER_REAL, 0.0)
+    signal.setitimer(signal.ITIMER_PROF, 0.0)
     events = [f"outside: {event}" for event in watch.events()]
     note["broken"] = [*note.get("broken", []), *events]
     return {**note, "wall_s": round(wall_s, 4), "peak_mb": _peak_mb()}

@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -24,11 +25,12 @@ from jobs.cell import CellResult, Limits
 from jobs.schedule import run_all
 from jobs.warm import run_module, warm_cells
 from tests.suites.fuzz.cases import make_case
+from tests.suites.fuzz.cell import WAITING_FACTOR
 from tests.suites.fuzz.readers.by_format import READERS
 from tests.suites.fuzz.seeds import ROOT, Seed, seeds_of
 from tests.suites.fuzz.table import Row, Tally, table
 
-CASE_S = 30.0  # wall seconds of one input; they are small
+CASE_S = 60.0  # of processor time for one input; they are small
 MEMORY_MB = 6144  # address space of a cell, of which libraries map about 2 GiB before they read anything
 WITHOUT_PEERS = tuple(name for name in READERS if name != "blend")  # Blender is a program of its own
 CELL = "tests.suites.fuzz.cell"
@@ -91,7 +93,7 @@ def _one_cell(seed: Seed, run: Run, place: Path, progress: _Progress) -> None:
         "seconds": run.seconds,
     }
     (place / "task.json").write_text(json.dumps(task))
-    limits = Limits(seconds=(run.seconds + 10.0) * len(progress.left), memory_mb=run.memory_mb)
+    limits = Limits(seconds=(WAITING_FACTOR * run.seconds + 10.0) * len(progress.left), memory_mb=run.memory_mb)
     environment = {**ENVIRONMENT, "PYTHONPATH": str(ROOT)}
     result = run_module(CELL, [str(place / "task.json"), str(notes_file)], limits, env=environment)
     lines = [json.loads(line) for line in notes_file.read_text().splitlines()] if notes_file.exists() else []
@@ -109,7 +111,7 @@ def _one_cell(seed: Seed, run: Run, place: Path, progress: _Progress) -> None:
 
 def _ended_by(seed: Seed, line: dict[str, object], result: CellResult) -> Row:
     """The row of a case that took its cell along."""
-    status = "timeout" if result.returncode == -14 else result.status
+    status = "timeout" if -result.returncode in (signal.SIGALRM, signal.SIGPROF) else result.status
     return Row(
         seed.format, seed.name, int(str(line["start"])), str(line["done"]), ended=status, trace=result.output[-1500:]
     )

@@ -32,9 +32,10 @@ def edit_json(rng: Random, data: bytes) -> bytes:
     text, put = _json_of(data)
     try:
         document = json.loads(text)
+        changed = json.dumps(_edited(rng, document)).encode()
     except (ValueError, RecursionError):
         return flip_bits(rng, data)
-    return put(json.dumps(_edited(rng, document)).encode())
+    return put(changed)
 
 
 def double_key(rng: Random, data: bytes) -> bytes:
@@ -50,11 +51,13 @@ def double_key(rng: Random, data: bytes) -> bytes:
 
 def edit_yaml(rng: Random, data: bytes) -> bytes:
     """As `edit_json` for a YAML document, which keeps its values and loses its style."""
+    if b"&x" in data:  # `odd_yaml` was here: written out, its aliases fill the memory
+        return flip_bits(rng, data)
     try:
         document = YAML(typ="safe", pure=True).load(data)
         out = io.BytesIO()
         YAML(typ="safe", pure=True).dump(json.loads(json.dumps(_edited(rng, document), default=str)), out)
-    except (YAMLError, ValueError, RecursionError, UnicodeError, TypeError):
+    except (YAMLError, ValueError, RecursionError, TypeError, LookupError, AttributeError):  # odd directives as well
         return flip_bits(rng, data)
     return out.getvalue()
 
@@ -120,6 +123,12 @@ def _json_of(data: bytes) -> tuple[bytes, Callable[[bytes], bytes]]:
 
 
 def _holders(value: Any) -> list[Any]:
-    below = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    holders = [value] if isinstance(value, dict | list) else []
-    return holders + [h for child in below for h in _holders(child)]
+    """All objects and lists in `value`, outermost first, however deep."""
+    holders: list[Any] = []
+    waiting = [value]
+    while waiting:
+        item = waiting.pop()
+        if isinstance(item, dict | list):
+            holders.append(item)
+            waiting += item.values() if isinstance(item, dict) else item
+    return holders
