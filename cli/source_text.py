@@ -79,7 +79,7 @@ def _excerpt(marks: list[Mark], source: tuple[str, ...], gutter: int, indent: st
         if number in skips:
             lines_shown.append(f"{indent}[blue]...[/]")
         line = source[number - 1] if number <= len(source) else ""
-        lines_shown.append(f"{indent}[blue]{number:>{gutter}} |[/] {escape(line)}")
+        lines_shown.append(f"{indent}[blue]{number:>{gutter}} |[/] {escape(_visible(line))}")
         for at, words, main in marks:
             if at.line == number:
                 start = (at.column or 1) - 1
@@ -88,6 +88,11 @@ def _excerpt(marks: list[Mark], source: tuple[str, ...], gutter: int, indent: st
                 said = f" {escape(words)}" if words else ""
                 lines_shown.append(f"{indent}{' ' * gutter} [blue]|[/] {' ' * start}[{colour}]{under}{said}[/]")
     return lines_shown
+
+
+def _visible(line: str) -> str:
+    """The line with a sign of the same width for each character that would act on a terminal."""
+    return "".join(c if c.isprintable() or c == "\t" else "\N{REPLACEMENT CHARACTER}" for c in line)
 
 
 def _end(line: str, start: int) -> int:

@@ -18,7 +18,7 @@ from rich.progress import (
 from rich.table import Table
 
 from assetkit.batch.report_file import FinishedBatch
-from schemas.diagnostics import Diagnostic
+from schemas.diagnostics import Diagnostic, printable
 from schemas.outcome import ItemOutcome
 from schemas.report import CodeCount, ReportItem
 
@@ -121,7 +121,7 @@ def show_rows(rows: Iterable[dict[str, object]], columns: dict[str, str]) -> Non
     for number, heading in enumerate(columns.values()):
         table.add_column(heading, no_wrap=number == 0, overflow="fold")
     for row in rows:
-        table.add_row(*(escape(figure(row[key])) for key in columns))
+        table.add_row(*(escape(printable(figure(row[key]))) for key in columns))
     console.print(table)
 
 

@@ -13,6 +13,7 @@ from typing import NoReturn
 from xml.parsers import expat
 
 from schemas.diagnostics import InvalidInput, finding
+from schemas.files.regular_file import read_regular
 from schemas.robot_description import NOWHERE, SourceLine
 
 MAX_DESCRIPTION_BYTES = 50_000_000  # the largest descriptions with meshes written in them have some 10 MB
@@ -73,7 +74,7 @@ def parse_file(path: Path, root: Path) -> Element:
     try:
         if path.stat().st_size > MAX_DESCRIPTION_BYTES:
             refuse("robot/unreadable", f"more than {MAX_DESCRIPTION_BYTES} bytes", source, value=path.stat().st_size)
-        data = path.read_bytes()
+        data = read_regular(path)
     except OSError as error:
         refuse("robot/missing-file", f"'{path.name}': {error.strerror}", source)
     return parse_bytes(data, source.file)

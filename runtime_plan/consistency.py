@@ -7,9 +7,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from schemas.arrays import FloatArray
 from schemas.diagnostics import Diagnostic, finding
 from schemas.scene.geometry import BACKGROUND
 from schemas.scene.runtime_plan import PlanCase, PlanCombination, PlanPool, PlanThing, RuntimePlan
+
+ROUNDING_M = 1e-9  # documents hold whole nanometres (`schemas.scene.geometry.rounded_value`)
 
 
 def find_inconsistencies(plan: RuntimePlan) -> tuple[Diagnostic, ...]:
@@ -24,6 +27,9 @@ def _inconsistencies(plan: RuntimePlan) -> Iterator[str]:
         yield "a body has no stance"
     if any(not stance.prisms for body in plan.bodies for stance in body.stances):
         yield "a stance has no outline"
+    prisms = (prism for body in plan.bodies for stance in body.stances for prism in stance.prisms)
+    if not all(_is_convex(prism.outline_m) for prism in prisms):
+        yield "an outline of a stance is not convex or not counter-clockwise"
     materials, lighting = {item.id for item in plan.materials}, {item.id for item in plan.lighting}
     for index, combination in enumerate(plan.combinations):
         path = f"combinations[{index}]"
@@ -32,6 +38,19 @@ def _inconsistencies(plan: RuntimePlan) -> Iterator[str]:
         yield from (f"{path}: there is no lighting `{name}`" for name in combination.lighting if name not in lighting)
     if not all(0.0 < combination.weight < np.inf for combination in plan.combinations):
         yield "a combination has no share of the draws"
+
+
+def _is_convex(outline_m: FloatArray) -> bool:
+    """Whether an outline (n, 2) turns left once around, up to the rounding of its corners."""
+    corners = outline_m.reshape(-1, 2)
+    edges = np.roll(corners, -1, axis=0) - corners
+    edges = edges[np.hypot(edges[:, 0], edges[:, 1]) > 0.0]
+    if len(edges) < 3:
+        return False
+    (x, y), (next_x, next_y) = edges.T, np.roll(edges, -1, axis=0).T
+    cross, dot = x * next_y - y * next_x, x * next_x + y * next_y
+    turns_right = cross < -ROUNDING_M * np.abs(edges).sum()
+    return not turns_right.any() and round(float(np.arctan2(cross, dot).sum()) / (2.0 * np.pi)) == 1
 
 
 def _combination(plan: RuntimePlan, combination: PlanCombination) -> Iterator[str]:
@@ -67,6 +86,8 @@ def _thing(
 ) -> Iterator[str]:
     if not thing.bodies or not all(0 <= body < len(plan.bodies) for body in thing.bodies):
         yield "its bodies are not in the plan"
+    if not thing.stances:
+        yield "it has no stance"
     if thing.parent != BACKGROUND and thing.parent not in known:
         yield f"its owner `{thing.parent}` does not stand before it"
     if not 0 <= thing.place < len(combination.places):

@@ -6,13 +6,29 @@ InvalidInput            raised inside a reader to stop at a fatal finding; carri
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterable
 from enum import StrEnum
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import AfterValidator, BaseModel, ConfigDict
 
 from schemas.codes import CODES
 from schemas.codes.code_info import DiagnosticCode
+
+
+def printable(text: str) -> str:
+    """`text` as it can be printed and stored anywhere: control, format and lone surrogate characters become escapes.
+
+    Names in files are not ours: they may hold escape sequences of terminals, line breaks, or bytes that are no text.
+    """
+    if text.isprintable():
+        return text
+    blanks = {c for c in text if unicodedata.category(c) == "Zs"}
+    return "".join(c if c.isprintable() or c in blanks else repr(c)[1:-1] for c in text)
+
+
+PrintableText = Annotated[str, AfterValidator(printable)]
 
 
 class Severity(StrEnum):
@@ -28,11 +44,11 @@ class Location(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="ignore")
 
-    file: str | None = None
+    file: PrintableText | None = None
     line: int | None = None
     column: int | None = None
-    prim: str | None = None
-    mesh: str | None = None
+    prim: PrintableText | None = None
+    mesh: PrintableText | None = None
 
     def __str__(self) -> str:
         position = ":".join(str(p) for p in (self.file, self.line, self.column) if p is not None)
@@ -45,7 +61,7 @@ class Label(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore")
 
     where: Location
-    text: str
+    text: PrintableText
 
 
 class Diagnostic(BaseModel):
@@ -58,10 +74,10 @@ class Diagnostic(BaseModel):
 
     code: str
     severity: Severity
-    headline: str
+    headline: PrintableText
     where: Location = Location()
-    value: float | str | None = None
-    bound: float | str | None = None
+    value: float | PrintableText | None = None
+    bound: float | PrintableText | None = None
     unit: str = ""
     labels: tuple[Label, ...] = ()
     because: tuple[Diagnostic, ...] = ()

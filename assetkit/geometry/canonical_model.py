@@ -55,6 +55,10 @@ def canonicalize(item: Intake, source_name: str, options: Options, frame: Frame 
     centred = [replace(m, points=m.points - far.shift) for m in model.meshes]
     posed = [_posed(m, R_AS, unit.meters_per_unit.value) for m in centred]
     bodies = mend_bodies(posed, options.max_triangles)
+    if not all(any(len(mesh.triangles) for mesh in body.mended.bodies.tidied) for body in bodies):
+        return Outcome(
+            None, (finding("asset/degenerate-geometry", "no face of a body keeps an area when it is cleaned"),)
+        )
     p_origin = _bottom_centre([m for body in bodies for m in body.light.meshes])
     scale = unit.meters_per_unit.value
     surfaces = [

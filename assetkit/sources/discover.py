@@ -119,11 +119,24 @@ def _walk(folder: Path, root: Path | None, out: Path | None) -> list[tuple[Path,
         ]
         files += [here / n for n in names if Path(n).suffix.lower() in known and not n.startswith(".")]
     files.sort()
-    files = [f for f in files if (mark := _MARKS.get(f.suffix.lower())) is None or mark in _head(f, 4096)]
-    parts = _parts(files)
+    outside = {
+        f for f in files if f.is_symlink() and not _lies_below(f, root or folder)
+    }  # not opened; intake reports it
+    files = [
+        f for f in files if f in outside or (mark := _MARKS.get(f.suffix.lower())) is None or mark in _head(f, 4096)
+    ]
+    parts = _parts([f for f in files if f not in outside])
     sources = [f for f in files if f not in parts]
-    below = Counter(folder for f in sources if not _is_material_library(f) for folder in f.parents)
+    below = Counter(folder for f in sources if f in outside or not _is_material_library(f) for folder in f.parents)
     return [(f, root or _asset_root(f, folder, below)) for f in sources]
+
+
+def _lies_below(link: Path, top: Path) -> bool:
+    """Whether the file that a link leads to lies below `top`; True for links to nothing, which can do no harm."""
+    try:
+        return link.resolve(strict=True).is_relative_to(top.resolve())
+    except (OSError, RuntimeError):
+        return True
 
 
 def _is_package(folder: Path) -> bool:

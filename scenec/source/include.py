@@ -13,6 +13,7 @@ from scenec.source.merge import merge, resolve_overlays
 from scenec.source.parse import MAX_VALUES, Parsed, parse, too_large
 from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 from schemas.diagnostics import Diagnostic, InvalidInput, Label, Location, finding
+from schemas.files.regular_file import read_regular
 from schemas.scene.program import SceneProgram
 
 MAX_FILES = 1000  # every inclusion counts, also of the same file
@@ -112,7 +113,7 @@ class _Loader:
                 labels = tuple(Label(where=Location(file=one), text="in the circle") for one in chain)
                 headline = f"{name} includes itself: {' -> '.join([*chain, name])}"
                 raise InvalidInput(finding("scene/include-cycle", headline, where=referrer, labels=labels))
-            data = b"" if target in self.parsed else target.read_bytes()
+            data = b"" if target in self.parsed else read_regular(target)
         except (OSError, ValueError, RuntimeError):  # absent, a folder, a name that no file can have, a circle of links
             raise InvalidInput(finding("scene/missing-file", f"cannot read {file.name}", where=referrer)) from None
         self.files += 1

@@ -53,8 +53,8 @@ def parse(data: bytes, file: str, depth: int = 0, line: int = 0) -> Parsed:
         where, problem = Location(file=file, line=data[: error.start].count(b"\n") + 1), "the text is not UTF-8"
     except RecursionError:
         raise too_large(f"{file} is nested too deeply", Location(file=file), None, MAX_DEPTH, "levels") from None
-    except (YAMLError, ValueError) as error:
-        where, problem = Location(file=file), str(error).splitlines()[0]
+    except (YAMLError, ValueError, LookupError, AttributeError) as error:  # the library's own, for odd directives
+        where, problem = Location(file=file), (str(error).splitlines() or [type(error).__name__])[0]
     raise InvalidInput(finding("scene/yaml-syntax", problem, where=where))
 
 

@@ -14,6 +14,7 @@ import shapely
 from shapely import Polygon
 
 from schemas.arrays import FloatArray
+from schemas.diagnostics import InvalidInput, finding
 from schemas.scene.geometry import (
     Domain,
     FixedPose,
@@ -58,8 +59,15 @@ def written_stance(stance: Stance) -> PlanStance:
 
 
 def polygon_of(document: PlanPolygon) -> Polygon:
-    """The polygon of a document."""
-    return Polygon(document.outline_m, document.holes_m)
+    """The polygon of a document. Raises InvalidInput (`plan/inconsistent`) for rings that bound no area."""
+    try:
+        polygon = Polygon(document.outline_m, document.holes_m)
+    except ValueError:  # fewer than three corners
+        polygon = Polygon()
+    if polygon.is_empty or not polygon.is_valid:
+        text = f"an outline of {len(document.outline_m)} corners crosses itself or bounds no area"
+        raise InvalidInput(finding("plan/inconsistent", text))
+    return polygon
 
 
 def written_polygon(area: Polygon) -> PlanPolygon:

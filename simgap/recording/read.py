@@ -74,6 +74,8 @@ def read(folder: Path) -> Outcome[Measurement]:
 
 def _read(root: Path) -> Outcome[Measurement]:
     spec_path = inside(root, SPEC_FILE, Location(file=SPEC_FILE))
+    if not spec_path.is_file():
+        return Outcome(None, (finding("gap/missing-file", f"'{SPEC_FILE}' is no regular file"),))
     document = parse_yaml(spec_path.read_bytes(), SPEC_FILE)
     spec, problems = read_spec(document)
     if spec is None:

@@ -23,6 +23,7 @@ from schemas.outcome import INTAKE, Outcome, Repair
 from schemas.robot_description import RobotDescription
 
 MOST_SHAPES_READ = 20_000  # a house of furniture has a few thousand
+MOST_TRIANGLES_READ = 5_000_000  # 10,000 capsules have 22 million, 5 GiB; real descriptions have below one million
 UP_CONFIDENCE = 0.9  # z is up by convention of the formats; some exporters write y-up models all the same
 # Notes of the description that the reader answers with a repair, or that concern shapes which it does not use.
 _OF_SHAPES = ("robot/unsupported-shape", "robot/invalid-size", "robot/missing-mesh")
@@ -71,8 +72,9 @@ def read_robot(source: SourceFile, mesh_readers: Mapping[str, Reader]) -> Outcom
 
 
 def _meshes(description: RobotDescription, reading: MechanismReading, surfaces: SurfaceReader) -> tuple[Mesh, ...]:
-    """The visible meshes of all links at rest, each with the body that it belongs to."""
+    """The visible meshes of all links at rest, each with the body that it belongs to. Raises InvalidInput."""
     meshes: list[Mesh] = []
+    count = 0
     for link in description.links:
         shapes = visible_shapes(link)
         for index, shape in enumerate(shapes):
@@ -81,6 +83,13 @@ def _meshes(description: RobotDescription, reading: MechanismReading, surfaces: 
             turn = mesh_turn(shape, link, surfaces)
             of_shape = surfaces.surfaces(shape, X_MS, shape_name(shape, link.name, shapes), path, turn)
             meshes += [replace(mesh, link=reading.link_of[link.name]) for mesh in of_shape]
+            count += sum(len(mesh.triangles) for mesh in of_shape)
+            if count > MOST_TRIANGLES_READ:
+                headline = f"the shapes have more than {MOST_TRIANGLES_READ} triangles together"
+                bound = MOST_TRIANGLES_READ
+                raise InvalidInput(
+                    finding("asset/resource-limit", headline, value=count, bound=bound, unit="triangles")
+                )
     return tuple(meshes)
 
 

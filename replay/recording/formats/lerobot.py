@@ -18,6 +18,7 @@ from replay.recording.description.from_description import DescribedRecording, re
 from replay.recording.episode import Episode
 from replay.recording.files.tables import Columns, read_columns
 from replay.recording.recorded_numbers import invalid_recording
+from schemas.files.regular_file import read_regular
 from schemas.replay.episode import EPISODE_FILE
 
 INFO = "meta/info.json"
@@ -57,7 +58,7 @@ def read_lerobot(path: Path, scene: Path | None = None, meshes: Path | None = No
 def read_info(path: Path) -> dict[str, Any]:
     """`meta/info.json`. Raises InvalidInput for a version that is not read."""
     try:
-        info = json.loads((path / INFO).read_bytes())
+        info = json.loads(read_regular(path / INFO))
     except ValueError as error:
         raise invalid_recording("replay/unreadable", f"{INFO}: {error}", INFO) from None
     if info.get("codebase_version") not in VERSIONS:
@@ -71,7 +72,7 @@ def info_without_videos(path: Path) -> bytes:
     info = read_info(path)
     videos = [name for name, feature in info.get("features", {}).items() if feature.get("dtype") == "video"]
     if not videos:
-        return (path / INFO).read_bytes()
+        return read_regular(path / INFO)
     rest = {name: feature for name, feature in info["features"].items() if name not in videos}
     return (json.dumps(info | {"features": rest}, indent=4) + "\n").encode()
 

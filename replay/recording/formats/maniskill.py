@@ -20,6 +20,7 @@ from replay.recording.episode import Episode
 from replay.recording.files.hdf5 import child, numbered, open_hdf5, values
 from replay.recording.files.tables import Columns
 from replay.recording.recorded_numbers import invalid_recording
+from schemas.files.regular_file import read_regular
 from schemas.replay.episode import EPISODE_FILE, EpisodeDescription
 
 ROOT = 13
@@ -59,7 +60,7 @@ def json_of_part(path: Path, part: str) -> bytes | None:
     They walk `episodes` and open `traj_<episode_id>` of each (`mani_skill/trajectory/merge_trajectory.py`).
     """
     try:
-        about: dict[str, Any] = json.loads(path.with_suffix(".json").read_bytes())
+        about: dict[str, Any] = json.loads(read_regular(path.with_suffix(".json")))
         mine = [entry for entry in about["episodes"] if f"traj_{entry['episode_id']}" == part]
         return (json.dumps(about | {"episodes": mine}, indent=2) + "\n").encode()
     except (OSError, ValueError, KeyError, TypeError):
@@ -70,7 +71,7 @@ def _control_hz(path: Path, description: EpisodeDescription) -> float:
     if description.control_hz is not None:
         return description.control_hz
     try:
-        info: dict[str, Any] = json.loads(path.with_suffix(".json").read_bytes())["env_info"]
+        info: dict[str, Any] = json.loads(read_regular(path.with_suffix(".json")))["env_info"]
         return float(info["env_kwargs"]["sim_config"]["control_freq"])
     except (OSError, ValueError, KeyError, TypeError):
         message = "the control frequency is not known: give `control_hz` in episode.json"

@@ -20,6 +20,7 @@ from replay.recording.mjcf.bodies import RecordedBodies, is_free
 from replay.recording.mjcf.episode_parts import episode_parts, uncovered_links
 from replay.recording.recorded_numbers import RecordedStates, checked_numbers, checked_stamps, invalid_recording, poses
 from replay.recording.robot_files import recorded_mjcf
+from schemas.files.regular_file import read_regular
 
 TABLE, SCENE, CAMERAS = "episode.parquet", "scene.json", "camera_moving.parquet"
 
@@ -82,7 +83,7 @@ class _Scene(BaseModel):
 
 def _cameras(path: Path, n: int) -> tuple[Camera, ...]:
     try:
-        given = _Scene.model_validate_json((path / SCENE).read_bytes()).cameras
+        given = _Scene.model_validate_json(read_regular(path / SCENE)).cameras
     except (ValidationError, OSError) as error:
         raise invalid_recording("replay/unreadable", f"{SCENE}: {error}", SCENE) from None
     moving = read_columns(path / CAMERAS) if (path / CAMERAS).is_file() else {}

@@ -14,6 +14,7 @@ from simgap.recording.recording import COLUMNS, Trial
 MIN_ROWS = 3
 _INPUTS = ("effort", "command", "command_p", "command_quat_wxyz")
 LARGEST_READING = 1e12  # in SI units; no reading is larger, and its square must not overflow
+LARGEST_STAMP_S = 1e30  # beyond the nanoseconds of any epoch (1.8e18 in 2026); its square must not overflow
 _SPARSE = 0.5  # An input that is mostly empty is logged slower than the rest, not broken.
 
 
@@ -52,7 +53,7 @@ def drop_non_finite_rows(setting: Setting, trials: tuple[Trial, ...]) -> Checked
 
 def _whole_rows(setting: Setting, trial: Trial) -> BoolArray:
     declared = setting.spec.columns
-    keep = np.isfinite(trial.t_s)
+    keep = np.abs(trial.t_s) < LARGEST_STAMP_S  # False for NaN
     if "p" in declared:
         keep &= np.isfinite(trial.p).all(axis=1)
     if "q_wxyz" in declared or "q_xyzw" in declared:

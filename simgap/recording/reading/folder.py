@@ -15,20 +15,21 @@ TRAJECTORIES = "trajectories"
 
 
 def inside(root: Path, relative: str, where: Location) -> Path:
-    """The existing file or folder `relative` below `root`.
+    """The regular file or folder `relative` below `root`.
 
-    Raises InvalidInput: `gap/path-escape` when it lies outside (links followed), `gap/missing-file` when it is absent.
+    Raises InvalidInput: `gap/path-escape` when it lies outside (links followed), `gap/missing-file` when it is absent
+    or a pipe.
     """
     try:
         path = (root / relative.replace("\\", "/")).resolve()
         escapes = not path.is_relative_to(root.resolve())
-    except (ValueError, OSError):
+    except (ValueError, OSError, RuntimeError):  # RuntimeError: a circle of links
         path, escapes = root / "absent", False
     if escapes:
         raise InvalidInput(
             finding("gap/path-escape", f"'{relative}' leads out of the measurement folder", where=where, value=relative)
         )
-    if not path.exists():
+    if not (path.is_file() or path.is_dir()):
         raise InvalidInput(finding("gap/missing-file", f"there is no '{relative}' in the folder", where=where))
     return path
 

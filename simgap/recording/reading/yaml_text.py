@@ -71,9 +71,10 @@ def parse_yaml(data: bytes, file: str) -> YamlDocument:
         problem = error.problem or error.context or "unreadable"
     except UnicodeDecodeError as error:
         where, problem = Location(file=file, line=data[: error.start].count(b"\n") + 1), "the text is not UTF-8"
-    except (YAMLError, RecursionError, ValueError) as error:
+    except (YAMLError, RecursionError, ValueError, LookupError, AttributeError) as error:  # some of odd directives
         where = Location(file=file)
-        problem = "nested too deeply" if isinstance(error, RecursionError) else str(error).splitlines()[0]
+        words = (str(error).splitlines() or [type(error).__name__])[0]
+        problem = "nested too deeply" if isinstance(error, RecursionError) else words
     raise InvalidInput(finding("gap/yaml-syntax", problem, where=where))
 
 

@@ -9,11 +9,11 @@ import time
 from pathlib import Path
 
 import pytest
+from benchmarks.assets.fuzz.one_case import examine
 
 from assetkit.options import Options
 from assetkit.sources.discover import discover
 from assetkit.stages.intake import ReadSource
-from benchmarks.assets.fuzz.one_case import examine
 from tests.support.bad_inputs.robot import Files, joint, link, mjcf, shape, urdf, write
 
 PANEL = shape('<box size="0.4 0.02 0.5"/>')

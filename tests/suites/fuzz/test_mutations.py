@@ -5,10 +5,10 @@ from pathlib import Path
 from random import Random
 
 import pytest
-
 from benchmarks.assets.fuzz.mutations import BY_SUFFIX, mutate
 from benchmarks.assets.fuzz.one_case import examine
 from benchmarks.assets.fuzz.run import make_case, seeds_in
+
 from tests.support.bad_inputs.assets import CUBE, gltf_json, obj_text, usda
 from tests.support.bad_inputs.robot import inertial, joint, link, mjcf, shape, urdf
 

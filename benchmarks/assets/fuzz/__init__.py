@@ -1,1 +1,0 @@
-"""Random damage to real files: no crash, no hang, a code for each."""

@@ -1,0 +1,1 @@
+"""Random damage to real files of every format that Mana reads: a value or a code for each, within limits."""
