@@ -10,6 +10,7 @@ MUJOCO_USD_STAMP := $(MUJOCO_USD)/.installed
 TORCH := .venv-torch
 TORCH_STAMP := $(TORCH)/.installed
 DEMO_OUT ?= demo_out
+FUZZ_OUT ?= fuzz_out
 GAP_OUT ?= gap_suite_out
 GAP2_OUT ?= gap_suite_2_out
 GAP2_START ?= 1000
@@ -18,7 +19,7 @@ PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist lo
 # Top-level folders with Python files that differ from the last commit: what `make quick` checks the types of.
 CHANGED = $(shell git status --porcelain -- '*.py' | sed 's/.* //' | grep / | cut -d/ -f1 | sort -u)
 
-.PHONY: demo quick test test-long peers check lint types layers bench gap-suite gap-suite-2 docs clean system
+.PHONY: demo quick test test-long peers check lint types layers bench fuzz gap-suite gap-suite-2 docs clean system
 
 demo: $(STAMP)
 	$(BIN)/mana demo --out $(DEMO_OUT)
@@ -52,6 +53,10 @@ layers: $(STAMP)
 
 bench: $(STAMP)
 	$(BIN)/python -m benchmarks.assets.ingest
+
+# Damaged copies of real files through every reader; inputs that fail are kept in FUZZ_OUT. An hour or more on two cores.
+fuzz: $(STAMP)
+	$(BIN)/python -m tests.suites.fuzz.run --files 20 --mutations 200 --out $(FUZZ_OUT)
 
 # About 500 cases; stops and goes on where it stopped. Records in GAP_OUT, one JSON per case.
 gap-suite: $(STAMP)
