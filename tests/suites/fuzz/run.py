@@ -124,7 +124,8 @@ def _keep(seed: Seed, run: Run, row: Row, keep: Path) -> None:
     (place / "row.txt").write_text(f"{row.done}\n{row.failure}\n{row.trace}\n{row.broken}\n", errors="replace")
 
 
-def main() -> int:
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; exit code 1 where an input failed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--files", type=int, default=20, help="real files per format, as far as there are so many")
     parser.add_argument("--mutations", type=int, default=200, help="damaged copies of each")
@@ -132,7 +133,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=Path("fuzz_out"), help="where inputs that failed go")
     parser.add_argument("--jobs", type=int, default=1)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(argv)
     tally = Tally()
     with tempfile.TemporaryDirectory(prefix="fuzz-") as scratch:
         run = Run(f"{arguments.seed}", arguments.mutations, Path(scratch), arguments.out)

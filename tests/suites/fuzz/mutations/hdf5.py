@@ -46,14 +46,23 @@ def _any_name(rng: Random, file: h5py.File) -> str:
     return rng.choice(_members(file, h5py.Dataset if rng.random() < 0.6 else h5py.Group))
 
 
+def _data_set(rng: Random, file: h5py.File) -> tuple[str, h5py.Dataset]:
+    """A data set and its name. Raises KeyError where the file has none."""
+    name = rng.choice(_members(file, h5py.Dataset))
+    item = file[name]
+    if not isinstance(item, h5py.Dataset):
+        raise KeyError(name)
+    return name, item
+
+
 def _delete(rng: Random, file: h5py.File) -> None:
     del file[_any_name(rng, file)]
 
 
 def _replace(rng: Random, file: h5py.File) -> None:
     """A data set of another type, shape or size."""
-    name = rng.choice(_members(file, h5py.Dataset))
-    shape = np.shape(file[name])
+    name, data_set = _data_set(rng, file)
+    shape = data_set.shape or ()
     del file[name]
     values: list[Any] = [
         *(np.zeros(0), np.float64(1.0), np.zeros((3, 0)), np.full(shape, np.nan), np.zeros((*shape, 2))),
@@ -84,7 +93,7 @@ def _replace(rng: Random, file: h5py.File) -> None:
 
 def _numbers(rng: Random, file: h5py.File) -> None:
     """A few numbers that are not finite or odd; rows in another order."""
-    item = file[rng.choice(_members(file, h5py.Dataset))]
+    _, item = _data_set(rng, file)
     values = np.asarray(item[()])
     if values.dtype.kind == "f" and values.size:
         for _ in range(rng.choice((1, 20))):
@@ -134,7 +143,7 @@ def _rename(rng: Random, file: h5py.File) -> None:
 
 def _nest(rng: Random, file: h5py.File) -> None:
     """A thousand groups inside one another."""
-    group = file["/"]
+    group: h5py.Group = file
     for _ in range(1000):
         group = group.create_group("a")
 
