@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import os
+import sqlite3
 import tempfile
 from pathlib import Path
 
@@ -28,6 +29,7 @@ NEVER_STORED = frozenset(
 # Errors of a full or failing machine or file system, whichever file it was (errno(3)).
 _OF_THE_MACHINE = frozenset(
     {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.ESTALE, errno.EMFILE, errno.ENFILE, errno.ENOMEM}
+    | {errno.EFBIG}
 )
 
 
@@ -54,6 +56,16 @@ def finding_from_exception(error: Exception, source: SourceFile, folders: tuple[
     if error.errno in _OF_THE_MACHINE:
         return storage_failed(error.strerror or type(error).__name__, error.errno)
     return finding("asset/internal-error", f"{type(error).__name__}: {error}")
+
+
+def failure_of_folder(error: OSError | sqlite3.OperationalError, folder: Path) -> str | None:
+    """Why `folder` takes no more, as a text; None for an error that has another cause."""
+    if isinstance(error, sqlite3.OperationalError):
+        return str(error)
+    path = None if error.filename is None else Path(os.path.abspath(os.fsdecode(error.filename)))
+    if error.errno in _OF_THE_MACHINE or (path is not None and path.is_relative_to(os.path.abspath(folder))):
+        return error.strerror or type(error).__name__
+    return None
 
 
 def storage_failed(headline: str, number: int | None = None) -> Diagnostic:

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from jobs.durable import sync
+
 
 def content_key(*parts: Any) -> str:
     """A SHA-256 hex key over JSON-serialisable parts; equal parts give equal keys in every process."""
@@ -41,9 +43,17 @@ class Cache:
         return path
 
 
-def write_atomically(path: Path, data: bytes) -> None:
-    """Write `data` so that a reader sees the old file or the whole new one, never a part."""
+def write_atomically(path: Path, data: bytes, *, durable: bool = False) -> None:
+    """Write `data` so that a reader sees the old file or the whole new one, never a part; `durable`: also after a power
+    cut. A file that could not be written whole does not stay.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    temporary.write_bytes(data)
-    temporary.replace(path)
+    try:
+        temporary.write_bytes(data)
+        if durable:
+            sync(temporary)
+        temporary.replace(path)
+    except OSError:
+        temporary.unlink(missing_ok=True)
+        raise

@@ -48,8 +48,8 @@ def read_stored(note: Path) -> StoredResult | None:
 
 
 def write_stored(note: Path, stored: StoredResult) -> None:
-    """Write a result to file `note` atomically."""
-    write_atomically(note, stored.model_dump_json().encode())
+    """Write a result to file `note` atomically, so that it is there after a power cut."""
+    write_atomically(note, stored.model_dump_json().encode(), durable=True)
 
 
 def stored_from(item: ReportItem, candidate: SourceAsset, out: Path) -> StoredResult:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sqlite3
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,8 +15,9 @@ from assetkit.batch.report_file import FinishedBatch
 from assetkit.library import catalog
 from assetkit.options import Options
 from assetkit.sources.source_list import listed_sources
+from assetkit.storage import failure_of_folder
 from jobs.cell import Limits
-from jobs.lock import exclusive
+from jobs.lock import FolderUnusable, exclusive
 from jobs.placement import Placement
 from schemas.report import ReportItem
 
@@ -45,7 +47,7 @@ def ingest(
     that crashed or timed out, `fresh` makes all anew. `out` holds packages, `report.json`, `report.html` and
     `catalog.sqlite` afterwards, also after Ctrl-C (`interrupted` in the report).
 
-    Raises FolderInUse while another process writes into `out`, FolderUnusable where nothing can be written,
+    Raises FolderInUse while another process writes into `out`, FolderUnusable where nothing (more) can be written,
     ClusterUnusable where no worker can be used, and InvalidInput when the file of people's decisions in `out` cannot
     be read.
     """
@@ -63,9 +65,16 @@ def ingest(
             fresh=fresh,
             given=given,
         )
-        result = run_batch(source_list, batch, progress)
-        shutil.rmtree(out / WORK, ignore_errors=True)
-        return result
+        try:
+            return run_batch(source_list, batch, progress)
+        except (OSError, sqlite3.OperationalError) as error:
+            reason = failure_of_folder(error, out)
+            if reason is None:
+                raise
+            advice = "what is finished is kept, and the same command continues"
+            raise FolderUnusable(f"cannot write into '{out}': {reason}; {advice}") from error
+        finally:
+            shutil.rmtree(out / WORK, ignore_errors=True)
 
 
 def run_batch(candidates: Sources, batch: Batch, progress: Progress | None = None) -> FinishedBatch:

@@ -14,6 +14,7 @@ from assetkit.package.record import read_record
 from assetkit.package.write_twins import write_twins
 from assetkit.stage import Acceptance, Appearance, Canonical, Draft, Interaction, Physics, Previews, Semantics, Tools
 from assetkit.stage_log import StageLog
+from jobs.durable import exchange, sync, sync_tree
 from schemas.asset import AssetRecord, SemanticsSection, SourceSection
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import Evidence, declared, default
@@ -73,16 +74,23 @@ def _results(draft: Draft) -> tuple[object, ...]:
 def publish(folder: Path, target: Path) -> Diagnostic | None:
     """Move a finished package into place, or return a finding why not: only an older package is ever replaced.
 
-    A process that ends in between leaves the old package as a hidden `.old` folder.
+    Its files are flushed to disk before. An older package is swapped with it in one step; where the file system cannot
+    do that, a process that ends in between leaves the old package as a hidden `.old` folder.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     if target.exists() and read_record(target) is None:
         return finding("asset/output-occupied", f"'{target.name}' in the output folder is not a package of Mana")
     old = target.with_name(f".{target.name}.old")
     shutil.rmtree(old, ignore_errors=True)
+    sync_tree(folder)
+    if target.exists() and exchange(folder, target):
+        sync(target.parent)
+        shutil.rmtree(folder, ignore_errors=True)
+        return None
     if target.exists():
         target.rename(old)
     folder.rename(target)
+    sync(target.parent)
     shutil.rmtree(old, ignore_errors=True)
     return None
 
