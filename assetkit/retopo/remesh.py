@@ -1,8 +1,8 @@
 """Light meshes of one object with texture coordinates in one common atlas, made in a cell by MeshLab and xatlas.
 
 Two simplifiers in a row: fast-simplification, with few collapses at a time, down to four times the wanted faces, and
-MeshLab the rest. The first alone stops early on objects of many shells or tears them; the second alone takes five times
-as long and chews the rims of thin sheets (figures: docs/benchmarks-appearance.md).
+MeshLab the rest. The first alone stops early on objects of many shells or tears them; the second alone leaves more
+distance on most (figures: docs/benchmarks-appearance.md), and is taken where the first step loses a part.
 """
 
 from __future__ import annotations

@@ -20,8 +20,8 @@ from pymeshlab.pmeshlab import Mesh, MeshSet
 
 from geom.mesh.surface_distance import two_way_distance
 
-# Chosen on four dev assets with 190,000 to 600,000 triangles, with and without ripples, of ten settings each: least
-# mean distance to the source in all eight, the best silhouettes in seven, in a fifth of the time of MeshLab alone.
+# Chosen by mean distance and silhouettes on dev assets of 190,000 to 750,000 triangles, with and without ripples;
+# `python -m benchmarks.assets.retopo ASSETS --simplifiers` compares the result with either library alone.
 _COARSE_FACTOR, _AGGRESSION = 4, 3
 # Half of what 5,000 triangles cost; the first step has lost a part where it departs by more.
 _COARSE_DISTANCE_SHARE = 5e-5
@@ -73,13 +73,19 @@ def _reduced(points: np.ndarray, triangles: np.ndarray, faces: int) -> tuple[np.
     meshes = MeshSet()
     meshes.add_mesh(Mesh(points, triangles))
     if len(triangles) > faces:
+        # MeshLab keeps the values of the last call as defaults of the next one: all that matter are stated.
         meshes.meshing_decimation_quadric_edge_collapse(
             targetfacenum=faces,
-            preservenormal=True,
-            preserveboundary=True,
+            targetperc=0.0,
             qualitythr=_LEAST_QUALITY,
+            preserveboundary=True,
+            boundaryweight=1.0,
+            preservenormal=True,
+            preservetopology=False,
+            optimalplacement=True,
             planarquadric=True,
             planarweight=_PLANAR_WEIGHT,
+            qualityweight=False,
         )
     meshes.meshing_remove_null_faces()
     meshes.meshing_remove_unreferenced_vertices()

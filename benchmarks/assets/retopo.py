@@ -182,7 +182,7 @@ def corner_tangents(mesh: Mesh, normals: FloatArray, T: FloatArray) -> FloatArra
     each = np.repeat(T, 3, axis=0)
     level = unit(each - np.einsum("ki,ki->k", each, N)[:, None] * N) * angles[:, None]
     sums = np.stack([np.bincount(group.reshape(-1), weights=level[:, k]) for k in range(3)], axis=1)
-    return unit(sums)[group.reshape(-1)].reshape(-1, 3, 3)
+    return unit(sums.astype(np.float64))[group.reshape(-1)].reshape(-1, 3, 3)
 
 
 def _print_simplifiers(label: str, scan: Model, faces: int) -> None:
@@ -213,7 +213,17 @@ def _fast(surface: Surfaces, faces: int) -> Surfaces:
 def _meshlab(surface: Surfaces, faces: int) -> Surfaces:
     meshes = MeshSet()
     meshes.add_mesh(LabMesh(*surface))
-    meshes.meshing_decimation_quadric_edge_collapse(targetfacenum=faces, preservenormal=True, preserveboundary=True)
+    meshes.meshing_decimation_quadric_edge_collapse(  # stated in full, since values of the last call are defaults
+        targetfacenum=faces,
+        qualitythr=0.3,
+        preserveboundary=True,
+        boundaryweight=1.0,
+        preservenormal=True,
+        preservetopology=False,
+        optimalplacement=True,
+        planarquadric=False,
+        planarweight=0.001,
+    )
     return np.asarray(meshes.current_mesh().vertex_matrix()), np.asarray(meshes.current_mesh().face_matrix())
 
 

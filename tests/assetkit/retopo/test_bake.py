@@ -192,6 +192,32 @@ def test_only_inputs_that_vary_get_a_map_and_factors_stay(cube: tuple[Model, tup
     assert made.origins["normal_texture"].source == "measured"
 
 
+def test_each_map_of_a_material_lands_in_its_channel_and_emission_is_linear(
+    cube: tuple[Model, tuple[Mesh, ...]],
+) -> None:
+    """The source packs its values in an order of its own; metalness is scaled, and occlusion inverted, on the way."""
+    model, light = cube
+    packed = picture("packed", np.full((4, 4, 3), (30, 60, 90), dtype=np.uint8))
+    glow = picture("glow", np.full((4, 4, 3), (200, 100, 50), dtype=np.uint8))
+    paint = Material(
+        "paint",
+        emissive=(5.0, 5.0, 5.0),
+        emissive_texture=TextureUse("glow"),
+        occlusion_texture=TextureUse("packed", "b", scale=-1.0, bias=1.0),
+        roughness_texture=TextureUse("packed", "r"),
+        metallic_texture=TextureUse("packed", "g", scale=2.0),
+    )
+    baked = bake(replace(model, materials=(paint,), textures=(packed, glow)), model.meshes, light, SIZE_PX)
+    (material,) = baked.materials
+    channels = [material.texture_uses[f"{name}_texture"].channel for name in ("occlusion", "roughness", "metallic")]
+    assert channels == ["r", "g", "b"]
+    assert material.emissive == (5.0, 5.0, 5.0)
+    _, uvs = places(baked.meshes[0], 2000)
+    orm, emitted = (read_off(levels(baked, name), uvs) for name in ("retopo_orm", "retopo_emissive"))
+    np.testing.assert_allclose(orm, np.tile((165.0, 30.0, 120.0), (len(uvs), 1)), atol=1.0)
+    np.testing.assert_allclose(emitted, np.tile((200.0, 100.0, 50.0), (len(uvs), 1)), atol=1.0)
+
+
 def test_meshes_of_one_material_share_their_inputs_and_colours_of_corners_become_a_map() -> None:
     (mesh,) = checkered_cube(4).meshes
     green = np.tile(np.array([0.0, 1.0, 0.0, 1.0], dtype=np.float32), (len(mesh.triangles), 3, 1))
