@@ -16,6 +16,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -30,6 +31,7 @@ CODES = {
     "sleep": "asset/worker-timeout",
     "bomb": "asset/worker-out-of-memory",
 }
+DAY_S = 86400.0
 FILE_BYTES = 10_000  # a limit that the layer of a package exceeds and its record does not
 
 
@@ -70,6 +72,7 @@ IN_NAMESPACE = """
 import json, subprocess, sys
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 from tests.assetkit.batch.small_batch import SmallBatch
 place, options, mended = sys.argv[1:4]
 batch = SmallBatch(Path(place), sys.stdin.read())
@@ -129,7 +132,7 @@ def test_a_disk_that_takes_no_more_loses_no_finished_work(options: str, mended: 
     answer = json.loads(done.stdout)
     assert answer["code"] in (0, 2), answer
     assert "Traceback" not in answer["errors"]
-    first = json.loads(answer["printed"]) if answer["code"] == 0 else {"codes": {}}
+    first: dict[str, Any] = json.loads(answer["printed"]) if answer["code"] == 0 else {"codes": {}}
     assert {code for codes in first["codes"].values() for code in codes} <= {"asset/storage-failed"}
     assert answer["code"] == 2 or first["accepted"] < count, "the disk did not fill"
     assert len(answer["printed"].splitlines()) == 1
@@ -214,6 +217,11 @@ time.time, time.time_ns = _jumping, lambda: int(1e9 * _jumping())
 """
 
 
+def dated(path: Path, at_s: float) -> None:
+    """Set both times of a file."""
+    os.utime(path, (at_s, at_s))
+
+
 def test_a_clock_that_jumps_back_changes_nothing(tmp_path: Path):
     """Neither limits nor stores rest on the time of day; sources are from tomorrow and packages from yesterday."""
     results: dict[str, dict[str, bytes]] = {}
@@ -222,14 +230,14 @@ def test_a_clock_that_jumps_back_changes_nothing(tmp_path: Path):
         if name == "jumping":
             (batch.place / "sitecustomize.py").write_text(CLOCK)
             for source in (batch.place / "in").iterdir():
-                os.utime(source, (time.time() + 86400.0,) * 2)
+                dated(source, time.time() + DAY_S)
         answer = batch.run()
         codes = answer["codes"]
         assert isinstance(codes, dict)
         assert codes["slow"] == ["asset/worker-timeout"]
         assert answer["accepted"] == 4
         for path in batch.out.rglob("*.json"):
-            os.utime(path, (time.time() - 86400.0,) * 2)
+            dated(path, time.time() - DAY_S)
         (batch.place / "in" / "slow.obj").write_text("v 9 0 0\n")
         run_again(batch, 5)
         files = {p.relative_to(batch.out).as_posix(): p.read_bytes() for p in batch.out.glob("[!.]*/**/*.*")}
