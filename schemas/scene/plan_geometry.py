@@ -40,6 +40,7 @@ from schemas.scene.runtime_plan import (
     PlanThing,
 )
 
+_CROSSED_SHARE = 1e-6  # of the area; outlines are rounded to 1e-9 m
 _OPEN_M = 1e3  # an open end of a range, or of a height, where a document needs a number
 
 
@@ -58,13 +59,24 @@ def written_stance(stance: Stance) -> PlanStance:
     )
 
 
+def _bounds_area(polygon: Polygon) -> bool:
+    """Whether the rings bound an area that no crossing of theirs changes."""
+    if polygon.is_valid:
+        return polygon.area > 0.0
+    clean = polygon.buffer(0)
+    return clean.area > 0.0 and abs(clean.area - polygon.area) <= _CROSSED_SHARE * clean.area
+
+
 def polygon_of(document: PlanPolygon) -> Polygon:
-    """The polygon of a document. Raises InvalidInput (`plan/inconsistent`) for rings that bound no area."""
+    """The polygon of a document. Raises InvalidInput (`plan/inconsistent`) for rings that bound no area.
+
+    Rounding lets corners touch an edge; such an outline is taken as it is, since crossing changes next to no area.
+    """
     try:
         polygon = Polygon(document.outline_m, document.holes_m)
     except ValueError:  # fewer than three corners
         polygon = Polygon()
-    if polygon.is_empty or not polygon.is_valid:
+    if polygon.is_empty or not _bounds_area(polygon):
         text = f"an outline of {len(document.outline_m)} corners crosses itself or bounds no area"
         raise InvalidInput(finding("plan/inconsistent", text))
     return polygon
