@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from shapely import Polygon, box
 
+from schemas.diagnostics import InvalidInput
 from schemas.scene.geometry import (
     Domain,
     FixedPose,
@@ -26,6 +27,7 @@ from schemas.scene.plan_geometry import (
     keep_clear_of,
     keep_out_of,
     place_of,
+    polygon_of,
     reach_of,
     relation_of,
     stance_of,
@@ -37,6 +39,7 @@ from schemas.scene.plan_geometry import (
     written_stance,
     written_thing,
 )
+from schemas.scene.runtime_plan import PlanPolygon
 from tests.support.source_tree import PACKAGES, ROOT, parsed, python_files
 
 PRISM = Prism(np.array([(-0.1, -0.1), (0.1, -0.1), (0.0, 0.2)]), 0.0, 0.3)
@@ -111,3 +114,10 @@ def test_no_other_module_makes_these_documents() -> None:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in DOCUMENTS
     }
     assert makers == {"schemas/scene/plan_geometry.py"}
+
+
+def test_an_outline_that_rounding_lets_touch_itself_is_taken_and_a_crossed_one_refused():
+    slit = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.5, 1.0), (0.5, 0.5), (0.5, 1.0), (0.0, 1.0))
+    assert polygon_of(PlanPolygon(outline_m=slit, holes_m=())).area == 1.0
+    with pytest.raises(InvalidInput):
+        polygon_of(PlanPolygon(outline_m=((0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0)), holes_m=()))
