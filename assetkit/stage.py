@@ -19,6 +19,7 @@ from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
 from schemas.appearance.material import Material, Texture
 from schemas.appearance.record import AppearanceSection
+from schemas.appearance.retopology import RetopologySection
 from schemas.arrays import FloatArray
 from schemas.articulation import JointUse, SweptVolume
 from schemas.asset import GeometrySection, PhysicsSection, SemanticsSection, SourceFile
@@ -30,7 +31,6 @@ from schemas.outcome import Outcome, Repair
 from schemas.package import LinkBody
 from schemas.parts import Part
 from schemas.physics import CollisionShape, Contact, MassProperties, Solid, SurfaceMaterial
-from schemas.retopology import RetopologySection
 from sim.port import Simulator
 
 

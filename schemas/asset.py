@@ -11,6 +11,7 @@ from schemas.acceptance import AcceptanceSection
 from schemas.affordances import AffordanceEvidence
 from schemas.anchors import Anchor
 from schemas.appearance.record import AppearanceSection
+from schemas.appearance.retopology import RetopologySection
 from schemas.arrays import FloatArray
 from schemas.articulation import JointUse
 from schemas.diagnostics import Diagnostic
@@ -19,7 +20,6 @@ from schemas.model import Axis
 from schemas.outcome import ItemOutcome, Repair
 from schemas.parts import Part
 from schemas.physics import Contact, Fidelity
-from schemas.retopology import RetopologySection
 
 SCHEMA_VERSION = "1.0"
 RECORD = "record.json"

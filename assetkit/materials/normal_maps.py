@@ -15,6 +15,7 @@ import numpy as np
 from PIL import Image
 from scipy.ndimage import uniform_filter
 
+from assetkit.readers.common.texture_table import picture
 from schemas.appearance.material import Material, Origin, Texture
 from schemas.arrays import FloatArray
 
@@ -64,18 +65,23 @@ def _blocks(field: FloatArray) -> list[FloatArray]:
     return [block for rows in np.array_split(field, _SPLITS) for block in np.array_split(rows, _SPLITS, axis=1)]
 
 
-def with_green_up(material: Material, textures: dict[str, Texture]) -> tuple[Material, dict[str, GreenDirection]]:
+def with_green_up(
+    material: Material, textures: dict[str, Texture], directions: dict[str, GreenDirection]
+) -> tuple[Material, dict[str, GreenDirection]]:
     """The material with its maps of green down turned where the source leaves the way open, and the way of each map.
 
-    `textures` holds the model's pictures by name and receives turned ones as NAME_green_up. Where the source defines
-    green as up its maps are left as they are: a bad correlation may then be the picture's.
+    `textures` holds the model's pictures by name and receives turned ones as NAME_green_up; `directions` holds the way
+    of each picture that was examined. Where the source defines green as up its maps are left as they are: a bad
+    correlation may then be the picture's.
     """
     ways: dict[str, GreenDirection] = {}
     for field in FIELDS:
         use = material.texture_uses.get(field)
         if use is None or use.texture not in textures:
             continue
-        way = ways[field] = green_direction(textures[use.texture])
+        if use.texture not in directions:
+            directions[use.texture] = green_direction(textures[use.texture])
+        way = ways[field] = directions[use.texture]
         if material.normal_green != "undeclared":
             continue
         method = material.origins[field].method if field in material.origins else "normal map"
@@ -91,7 +97,7 @@ def with_green_up(material: Material, textures: dict[str, Texture]) -> tuple[Mat
 
 def _pixels(texture: Texture) -> FloatArray:
     """Texels (h, w, 3) in 0..1, large pictures reduced by a whole factor."""
-    image = Image.open(io.BytesIO(texture.data)).convert("RGB")
+    image = picture(texture).convert("RGB")
     factor = -(-max(image.size) // _MOST_SIDE)
     if factor > 1 and min(image.size) >= factor:
         image = image.reduce(factor)
@@ -121,7 +127,7 @@ def _correlation(first: FloatArray, second: FloatArray) -> float:
 
 def _turned(texture: Texture) -> Texture:
     """The picture with green inverted, as PNG."""
-    image = Image.open(io.BytesIO(texture.data))
+    image = picture(texture)
     bands = list(image.convert("RGBA" if "A" in image.getbands() else "RGB").split())
     bands[1] = bands[1].point([255 - level for level in range(256)])
     stream = io.BytesIO()

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from assetkit.materials.baked_lighting import baked_lighting, suspicion
 from assetkit.materials.material_records import material_records
-from assetkit.materials.normal_maps import with_green_up
+from assetkit.materials.normal_maps import GreenDirection, with_green_up
 from assetkit.materials.ranges import Change, limited
 from assetkit.materials.surface_colours import surface_colours
 from assetkit.materials.texel_density import texel_density
@@ -37,6 +37,7 @@ def normalize(
     """
     pictures = {texture.name: texture for texture in model.textures}
     known = set(pictures)
+    directions: dict[str, GreenDirection] = {}
     diagnostics: list[Diagnostic] = []
     repairs: list[Repair] = []
     materials: list[Material] = []
@@ -45,7 +46,7 @@ def normalize(
         if changes:
             diagnostics += [_out_of_range(material, change) for change in changes]
             repairs.append(_clamped(changes))
-        upright, ways = with_green_up(with_known_textures(clean, known), pictures)
+        upright, ways = with_green_up(with_known_textures(clean, known), pictures, directions)
         for field, way in ways.items():
             if way.green == "down":
                 diagnostics.append(_green_down(material, field, way.correlation))

@@ -89,12 +89,12 @@ def _texels(mesh: Mesh, samples: SurfacePoints, pixels: IntArray, use: TextureUs
     height, width = pixels.shape[:2]
     uvs = np.einsum("nk,nkc->nc", samples.weights, mesh.uvs[use.uv_set][samples.faces])
     u, v = placed_uvs(uvs, use).T
-    column = _wrapped(np.floor(u * width).astype(int), width, use.wrap_s)
-    row = _wrapped(np.floor(v * height).astype(int), height, use.wrap_t)
+    column = wrapped_index(np.floor(u * width).astype(int), width, use.wrap_s)
+    row = wrapped_index(np.floor(v * height).astype(int), height, use.wrap_t)
     return pixels[row, column] / 255.0
 
 
-def _wrapped(index: IntArray, size: int, wrap: str) -> IntArray:
+def wrapped_index(index: IntArray, size: int, wrap: str) -> IntArray:
     """Texel indices within the image; what `black` would leave dark is clamped: it is hardly the object's colour."""
     if wrap == "repeat":
         return index % size

@@ -12,10 +12,10 @@ from assetkit.retopo.surface_values import COLOUR_FIELDS, NORMAL_FIELD, Surface,
 from geom.mesh.corner_normals import face_normals
 from geom.mesh.surface_distance import sample_surface, triangle_areas
 from schemas.appearance.conversions import linear_to_srgb
+from schemas.appearance.retopology import MapError, MapUnit
 from schemas.arrays import FloatArray
 from schemas.evidence import measured
 from schemas.model import Mesh, Model
-from schemas.retopology import MapError, MapUnit
 
 MOST_SAMPLES = 40_000
 _METHOD = f"at {MOST_SAMPLES} points of the source surface, against the nearest place of the light mesh"

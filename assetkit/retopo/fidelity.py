@@ -15,9 +15,9 @@ from assetkit.pose.up_axis import TO_Z_UP
 from geom.mesh.edit import merge_surfaces
 from geom.mesh.rays import Rays
 from render.camera import FIELD_OF_VIEW_RAD, STANDARD_VIEWS, CameraView, annotation_frame, camera
+from schemas.appearance.retopology import ViewFidelity
 from schemas.arrays import BoolArray, FloatArray
 from schemas.model import Mesh, Model
-from schemas.retopology import ViewFidelity
 
 
 def compare_views(source: Model, light: Model, work_dir: Path, size_px: int = VIEW_PX) -> dict[str, ViewFidelity]:

@@ -19,11 +19,11 @@ from assetkit.retopo.remesh import remeshed
 from assetkit.retopo.surface_values import BAKED_FIELDS
 from assetkit.stage import Retopology
 from schemas.appearance.optics import effective
+from schemas.appearance.retopology import MapError, RetopologySection, ViewFidelity
 from schemas.diagnostics import Diagnostic, finding
 from schemas.evidence import measured
 from schemas.model import Mesh, Model
 from schemas.outcome import Outcome, Repair
-from schemas.retopology import MapError, RetopologySection, ViewFidelity
 
 MAP_PX = 2048
 _LIBRARIES = ("fast-simplification", "pymeshlab", "xatlas")

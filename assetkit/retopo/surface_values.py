@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from PIL import Image
 
+from assetkit.materials.surface_samples import wrapped_index
 from geom.mesh.corner_normals import corner_normals, face_vectors
 from geom.mesh.surface_distance import triangle_areas
 from geom.mesh.tangent_frames import TangentFrames, out_of_frame, tangent_frames
@@ -177,19 +178,11 @@ def bilinear(picture: Float32Array, uvs: FloatArray, use: TextureUse) -> FloatAr
     x, y = uvs[:, 0] * width - 0.5, uvs[:, 1] * height - 0.5
     column, row = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
     right, up = (x - column)[:, None], (y - row)[:, None]
-    columns = [_wrapped(column + step, width, use.wrap_s) for step in (0, 1)]
-    rows = [_wrapped(row + step, height, use.wrap_t) for step in (0, 1)]
+    columns = [wrapped_index(column + step, width, use.wrap_s) for step in (0, 1)]
+    rows = [wrapped_index(row + step, height, use.wrap_t) for step in (0, 1)]
     lower = picture[rows[0], columns[0]] * (1.0 - right) + picture[rows[0], columns[1]] * right
     upper = picture[rows[1], columns[0]] * (1.0 - right) + picture[rows[1], columns[1]] * right
     return lower * (1.0 - up) + upper * up
-
-
-def _wrapped(index: IntArray, size: int, wrap: str) -> IntArray:
-    if wrap == "repeat":
-        return index % size
-    if wrap == "mirror":
-        return np.minimum(index % (2 * size), 2 * size - 1 - index % (2 * size))
-    return index.clip(0, size - 1)
 
 
 def _placed(texels: AnyFloatArray, use: TextureUse) -> FloatArray:

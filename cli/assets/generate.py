@@ -6,13 +6,13 @@ import json
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 from rich.markup import escape
 
 from assetkit.batch.item_cells import default_jobs
-from assetkit.batch.report_file import read_report
+from assetkit.batch.report_file import FinishedBatch, read_report
 from assetkit.batch.run_batch import ingest
 from assetkit.generate.parameters import Parameter, ParameterError, nearest, parameters_of, read_settings
 from assetkit.generate.truth import TRUTH_FILE
@@ -77,7 +77,7 @@ def generate_command(
         values = read_settings(generator.parameters, settings or ())
     except ParameterError as error:
         raise typer.BadParameter(str(error), param_hint="--set") from None
-    folder = _emptied(out / SOURCES / slug(called or generator.name))
+    folder = emptied(out / SOURCES / slug(called or generator.name), TRUTH_FILE)
     files = write_set(generator, values, folder, None if called is None else slug(called))
     if source_only:
         _show_sources(files, folder, as_json)
@@ -89,15 +89,17 @@ def _ingest(files: Sequence[Path], folder: Path, out: Path, jobs: int, as_json: 
     """Run the pipeline on the sources; exits with 1 when one was rejected, 2 when it was interrupted."""
     with shown_progress(quiet=as_json) as progress:
         report = ingest(list(files), out, engine=SIMULATOR, placement=Placement(jobs), progress=progress)
+    finish(report, out, ("truth", folder / TRUTH_FILE), as_json=as_json)
+
+
+def finish(report: FinishedBatch, out: Path, made: tuple[str, Path], *, as_json: bool) -> NoReturn:
+    """Print what became of sources that a command made, and the file on them by its name; exits with its code."""
+    name, file = made
     if as_json:
-        print(
-            json.dumps(
-                {"truth": str(folder / TRUTH_FILE), "report": read_report(out).model_dump(mode="json")}, indent=1
-            )
-        )
+        print(json.dumps({name: str(file), "report": read_report(out).model_dump(mode="json")}, indent=1))
     else:
         text.show_summary(report)
-        text.console.print(f"truth: {escape(str(folder / TRUTH_FILE))}", soft_wrap=True)
+        text.console.print(f"{name}: {escape(str(file))}", soft_wrap=True)
         text.console.print(f"report: {escape(str(out / 'report.html'))}", soft_wrap=True)
     if report.interrupted:
         raise typer.Exit(2)
@@ -113,11 +115,11 @@ def _generator(name: str) -> Generator[Any]:
     return GENERATORS[name]
 
 
-def _emptied(folder: Path) -> Path:
-    """The folder of an earlier run, emptied; raises typer.BadParameter for a folder that no generator wrote."""
+def emptied(folder: Path, mark: str) -> Path:
+    """The folder of an earlier run, emptied; raises typer.BadParameter for a folder without the file `mark`."""
     if folder.exists():
-        if not (folder / TRUTH_FILE).is_file():
-            raise typer.BadParameter(f"{folder} exists and holds no {TRUTH_FILE}; choose another", param_hint="--out")
+        if not (folder / mark).is_file():
+            raise typer.BadParameter(f"{folder} exists and holds no {mark}; choose another", param_hint="--out")
         shutil.rmtree(folder)
     return folder
 

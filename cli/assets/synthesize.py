@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import json
-import shutil
 from pathlib import Path
 from typing import Annotated, cast, get_args
 
 import typer
-from rich.markup import escape
 
-from assetkit.batch.report_file import read_report
 from assetkit.batch.run_batch import ingest
 from assetkit.generate.synthesize import SYNTHESIS_FILE, SynthesisRequest, synthesize
 from assetkit.options import Options, UnitName
 from assetkit.sources.discover import slug
-from cli import text
-from cli.assets.generate import SOURCES
+from cli.assets.generate import SOURCES, emptied, finish
 from cli.assets.program import program_stated
 from cli.assets.progress import shown_progress
 from cli.engines import SIMULATOR
 from jobs.cell import Limits
 from jobs.placement import Placement
-from schemas.outcome import ItemOutcome
 
 _IMAGES = (".png", ".jpg", ".jpeg", ".webp")
 
@@ -67,7 +62,7 @@ def synthesize_command(
         raise typer.BadParameter(f"must be one of {', '.join(get_args(UnitName))}", param_hint="--units")
     program = program_stated(model, "--model")
     name = slug(called or prompt.strip() or (image.stem if image else ""))
-    folder = _emptied(out / SOURCES / name)
+    folder = emptied(out / SOURCES / name, SYNTHESIS_FILE)
     request = SynthesisRequest(prompt, image, seed)
     source = synthesize(program.command, program.digest, request, folder, name, Limits(timeout, memory))
     stated = json.loads((folder / SYNTHESIS_FILE).read_text(encoding="utf-8"))
@@ -85,23 +80,4 @@ def synthesize_command(
             limits=Limits(seconds=timeout),
             progress=progress,
         )
-    if as_json:
-        whole = read_report(out).model_dump(mode="json")
-        print(json.dumps({"synthesis": str(folder / SYNTHESIS_FILE), "report": whole}, indent=1))
-    else:
-        text.show_summary(report)
-        text.console.print(f"synthesis: {escape(str(folder / SYNTHESIS_FILE))}", soft_wrap=True)
-        text.console.print(f"report: {escape(str(out / 'report.html'))}", soft_wrap=True)
-    if report.interrupted:
-        raise typer.Exit(2)
-    raise typer.Exit(1 if report.totals[ItemOutcome.REJECTED.value] else 0)
-
-
-def _emptied(folder: Path) -> Path:
-    """The folder of an earlier run, emptied; raises typer.BadParameter for a folder of something else."""
-    if folder.exists():
-        if not (folder / SYNTHESIS_FILE).is_file():
-            message = f"{folder} exists and holds no {SYNTHESIS_FILE}; choose another"
-            raise typer.BadParameter(message, param_hint="--out")
-        shutil.rmtree(folder)
-    return folder
+    finish(report, out, ("synthesis", folder / SYNTHESIS_FILE), as_json=as_json)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from scenec.paired_materials.library import MaterialPair, material_pairs
+from scenec.source.paired_materials.library import MaterialPair, material_pairs
 
 _INTRODUCTION = """# Paired materials
 
 Each pair is a render material and a physical material, two records with sources of their own
-(`scenec/paired_materials/*.csv`). A scene program names one by `pair` ([variants](scene-language.md#variants)); at a
-reset, look and physics change together or not at all. Base colours are linear. The finish of metals and of polished
-stone is a choice; friction and restitution are those of the material class and vary with the counterpart.
+(`scenec/source/paired_materials/*.csv`). A scene program names one by `pair`
+([variants](scene-language.md#variants)); at a reset, look and physics change together or not at all. Base colours are
+linear. The finish of metals and of polished stone is a choice; friction and restitution are those of the material class
+and vary with the counterpart.
 
 | pair | base colour | roughness | metallic | density (kg/m3) | static, dynamic friction | restitution |
 |---|---|---|---|---|---|---|

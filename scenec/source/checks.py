@@ -15,6 +15,7 @@ from scenec.source.check_relations import check_relations
 from scenec.source.check_units import check_units
 from scenec.source.hint import did_you_mean
 from scenec.source.listing import written_assets, written_placings, written_yaws
+from scenec.source.paired_materials.library import check_pairs
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
 from schemas.scene.geometry import BACKGROUND
@@ -35,6 +36,7 @@ def check_program(program: SceneProgram, spans: Spans) -> tuple[Diagnostic, ...]
         *_polygons(program, spans),
         *_splits(program, spans),
         *check_colours(program, spans),
+        *check_pairs(program, spans),
         *check_units(program, spans),
         *check_ownership(names, spans),
         *check_relations(names, spans),

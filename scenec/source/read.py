@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 
 from scenec.ir.derivation_cache import DerivationCache
-from scenec.paired_materials.library import check_pairs, with_pairs
 from scenec.source.checks import check_program
 from scenec.source.include import load
 from scenec.source.incremental_parse import IncrementalParser
 from scenec.source.merge import resolve_overlays
+from scenec.source.paired_materials.library import with_pairs
 from scenec.source.tree import Spans
 from scenec.source.validate import validate
 from schemas.diagnostics import Diagnostic, any_error
@@ -52,7 +52,7 @@ def read_program(
     program, more = validate(tree, spans, derivations)
     diagnostics = (*diagnostics, *more)
     if program is not None:
-        diagnostics = (*diagnostics, *check_program(program, spans), *check_pairs(program, spans))
+        diagnostics = (*diagnostics, *check_program(program, spans))
     if program is None or any_error(diagnostics):
         return ReadResult(None, spans, diagnostics)
     return ReadResult(with_pairs(program), spans, diagnostics)

@@ -22,14 +22,13 @@ from assetkit.package import release
 from assetkit.pipeline import process_source
 from assetkit.sources.discover import discover
 from assetkit.stage import Appearance, Draft, Tools
-from assetkit.stage_log import Entry, StageLog
 from assetkit.stages.appearance import NormalizeAppearance
 from cli.engines import SIMULATOR
 from gate.static_gate import gate
 from jobs.cell import CellResult, Limits
 from jobs.placement import Placement
-from schemas.diagnostics import Diagnostic, finding
-from schemas.outcome import ItemOutcome, Outcome, Repair
+from schemas.diagnostics import Diagnostic
+from schemas.outcome import ItemOutcome, Outcome
 from schemas.report import ReportItem
 from sim.fake import FakeSimulator
 
@@ -385,15 +384,6 @@ def test_a_bug_in_a_stage_is_reported_as_such(sources: Path, tmp_path: Path, mon
     assert item.outcome is ItemOutcome.REJECTED
     assert item.codes == ("asset/internal-error",)
     assert "ZeroDivisionError: a defect" in item.traceback
-
-
-def test_outcome_of_a_journal():
-    assert StageLog().outcome is ItemOutcome.ACCEPTED
-    repair = Repair(name="hole_fill", code="asset/small-holes", stage="canonicalize")
-    assert StageLog({"a": Entry(repairs=(repair,))}).outcome is ItemOutcome.REPAIRED
-    assert StageLog({"a": Entry(repairs=(repair,)), "b": Entry(review=True)}).outcome is ItemOutcome.REVIEW
-    refused = finding("asset/path-escape", "out")
-    assert StageLog({"a": Entry((refused,), review=True)}).outcome is ItemOutcome.REJECTED
 
 
 def test_report_json_has_the_stable_keys(sources: Path, tmp_path: Path):

@@ -14,7 +14,7 @@ from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.files.references import tile_references
 from schemas.outcome import INTAKE, Repair
 from usdio.read.layer_guard import PinnedLayers
-from usdio.read.pbr import Color, MaterialConversion, with_layers_of
+from usdio.read.pbr import Color, MaterialConversion, layer_sources, with_layers_of
 from usdio.read.shader_dialects import PREVIEW, ShaderDialect, dialect_of, is_known
 from usdio.read.shader_graph import (
     EARLIEST,
@@ -134,20 +134,26 @@ class MaterialTable:
         material = conversion.material(name, double_sided, _unmapped(source, shader, dialect, ports))
         notes = conversion.diagnostics
         for other in _other_surfaces(source, shader):
-            material = with_layers_of(material, self._surface(other, conversion.uv_names, where))
+            layers = self._layers_of(other, conversion.uv_names, where)
+            material = with_layers_of(material, layers.material("", False, {}))
+            notes += layers.diagnostics
         if material.unmapped:
             headline = f"'{name}' has {dialect.name} properties beyond the metallic-roughness model"
             names = ", ".join(sorted(material.unmapped))
             notes.append(finding("asset/material-extension-fallback", headline, where=where, value=names))
         return ConvertedMaterial(material, tuple(conversion.uv_names), from_mesh, name), notes
 
-    def _surface(self, shader: UsdShade.Shader, uv_names: list[str], where: Location) -> Material:
-        """Another surface of a material; its textures read primvars that are added to `uv_names`."""
+    def _layers_of(self, shader: UsdShade.Shader, uv_names: list[str], where: Location) -> MaterialConversion:
+        """The conversion of what UsdPreviewSurface lacks, of another surface of a material; no other picture is read.
+
+        Its textures read primvars that are added to `uv_names`.
+        """
         ports = {port.GetBaseName(): port for port in shader.GetInputs()}
         dialect = dialect_of(shader_identifier(shader), tuple(ports))
-        conversion = MaterialConversion(*_read(dialect, ports), dialect.name, self._texture, where)
+        sources, authored = layer_sources(*_read(dialect, ports))
+        conversion = MaterialConversion(sources, authored, dialect.name, self._texture, where)
         conversion.uv_names = uv_names
-        return conversion.material("", False, {})
+        return conversion
 
     def _texture(self, image: ImageSource) -> str | None:
         """The name of the texture an image node reads, or None with a warning when it cannot be read."""

@@ -346,6 +346,19 @@ _BEYOND_PREVIEW: Final = (
 )
 
 
+def layer_sources(
+    sources: Mapping[str, InputSource], authored: Mapping[str, str]
+) -> tuple[dict[str, InputSource], dict[str, str]]:
+    """The sources and authored inputs of layers that UsdPreviewSurface lacks; of opacity only beside transmission."""
+    clear = {"transmission"} & sources.keys()
+    fields = (*_BEYOND_PREVIEW, *(_CLEAR if clear else ()))
+    quantities = {q for field, of_field in _QUANTITIES.items() if field.partition(".")[0] in fields for q in of_field}
+    return (
+        {name: source for name, source in sources.items() if name.removesuffix("_map") in quantities},
+        {name: port for name, port in authored.items() if name in quantities},
+    )
+
+
 def with_layers_of(material: Material, other: Material) -> Material:
     """`material` with the layers that it lacks and `other`, a surface of the same material, has, and their origins.
 

@@ -69,14 +69,14 @@ def test_lines_in_one_direction_are_unknown() -> None:
 def test_a_map_of_undeclared_way_is_turned_and_the_rest_left() -> None:
     down, up = texture(normal_map(bumps(64), -1.0)), texture(normal_map(bumps(64)))
     pictures = {"bumps": down}
-    turned, ways = with_green_up(material("undeclared"), pictures)
+    turned, ways = with_green_up(material("undeclared"), pictures, {})
     assert turned.normal_texture == TextureUse("bumps_green_up")
     assert ways["normal_texture"].green == "down"
     pixels = np.asarray(Image.open(io.BytesIO(pictures["bumps_green_up"].data)))
     assert np.abs(pixels.astype(int) - normal_map(bumps(64)).astype(int)).max() <= 1
     assert turned.origins["normal_texture"].source == "inferred"
     for unturned, picture in ((material("up"), down), (material("undeclared"), up)):
-        assert with_green_up(unturned, {"bumps": picture})[0].normal_texture == TextureUse("bumps")
+        assert with_green_up(unturned, {"bumps": picture}, {})[0].normal_texture == TextureUse("bumps")
 
 
 @pytest.mark.parametrize(("green", "repairs"), [("undeclared", ["turn_normal_map"]), ("up", [])])

@@ -10,7 +10,7 @@ import pytest
 
 from schemas.appearance.material import Anisotropy, Iridescence, Sheen, Specular
 from schemas.evidence import BY_STANDARD
-from tests.usdio.read.test_materials import BOUND, material_of, write
+from tests.usdio.read.test_materials import BOUND, material_of, read, write
 
 STANDARD = "ND_standard_surface_surfaceshader"
 OPEN_PBR = "ND_open_pbr_surface_surfaceshader"
@@ -139,3 +139,32 @@ def test_the_coat_of_omni_pbr_has_a_switch(switch: str, coat: float, tmp_path: P
     inputs = f"bool inputs:enable_clearcoat = {switch}\n float inputs:clearcoat_weight = 0.6"
     got = material_of(write(tmp_path, BOUND + mdl("OmniPBR_ClearCoat", inputs)))
     assert math.isclose(got.clearcoat, coat, rel_tol=1e-6)
+
+
+def test_pictures_that_only_another_surface_shows_are_not_missed(tmp_path: Path) -> None:
+    """Of the surfaces beside UsdPreviewSurface, layers count; an absent picture of a base colour is not their loss."""
+    body = (
+        BOUND
+        + """def Material "m" {
+      token outputs:surface.connect = </Root/m/p.outputs:surface>
+      token outputs:mtlx:surface.connect = </Root/m/s.outputs:surface>
+      def Shader "p" { uniform token info:id = "UsdPreviewSurface"
+        token outputs:surface
+      }
+      def Shader "s" { uniform token info:id = "ND_standard_surface_surfaceshader"
+        color3f inputs:base_color.connect = </Root/m/t.outputs:out>
+        float inputs:sheen = 0.5
+        token outputs:surface
+      }
+      def Shader "t" { uniform token info:id = "ND_image_color3"
+        asset inputs:file = @./absent.png@
+        color3f outputs:out
+      }
+    }"""
+    )
+    outcome = read(write(tmp_path, body))
+    assert outcome.value is not None
+    (got,) = outcome.value.materials
+    assert got.sheen is not None
+    assert got.base_color_texture is None
+    assert "asset/missing-texture" not in {diagnostic.code for diagnostic in outcome.diagnostics}

@@ -12,7 +12,7 @@ import usdio.write.sample as sample_layer
 from assetkit.taxonomy.tables import rows_of
 from runtime_plan.bodies import physical_body
 from runtime_plan.materials import is_paired, with_material
-from scenec.paired_materials.library import material_pairs
+from scenec.source.paired_materials.library import material_pairs
 from scenec.source.read import read_program
 from schemas.scene.program import PairedMaterial
 from tests.support.bad_inputs.scene import SOUND

@@ -1,0 +1,1 @@
+"""Tests of `scenec.source.paired_materials`."""
