@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import shutil
 import signal
 import sys
@@ -46,6 +47,12 @@ class Run:
     keep: Path | None = None
     seconds: float = CASE_S
     memory_mb: int = MEMORY_MB
+    cell: str = CELL
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """The environment of cells."""
+        return {**ENVIRONMENT, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
 
 
 @dataclass
@@ -58,8 +65,7 @@ class _Progress:
 
 def fuzz(seeds: Sequence[Seed], run: Run, jobs: int = 1) -> Iterator[Row]:
     """A row per case, seed after seed; cells are forks of one process that has loaded all readers."""
-    environment = {**ENVIRONMENT, "PYTHONPATH": str(ROOT)}
-    with warm_cells(CELL, env=environment):
+    with warm_cells(run.cell, env=run.environment):
         for _, rows in run_all(lambda seed: _of_seed(seed, run), seeds, jobs=jobs):
             yield from rows
 
@@ -94,8 +100,7 @@ def _one_cell(seed: Seed, run: Run, place: Path, progress: _Progress) -> None:
     }
     (place / "task.json").write_text(json.dumps(task))
     limits = Limits(seconds=(WAITING_FACTOR * run.seconds + 10.0) * len(progress.left), memory_mb=run.memory_mb)
-    environment = {**ENVIRONMENT, "PYTHONPATH": str(ROOT)}
-    result = run_module(CELL, [str(place / "task.json"), str(notes_file)], limits, env=environment)
+    result = run_module(run.cell, [str(place / "task.json"), str(notes_file)], limits, env=run.environment)
     lines = [json.loads(line) for line in notes_file.read_text().splitlines()] if notes_file.exists() else []
     before = len(progress.left)
     for line in lines:
