@@ -1,6 +1,6 @@
 """Bad descriptions come back as codes, through intake and canonicalize: never an exception, never a silent loss.
 
-The last ones are the smallest inputs of what `benchmarks.assets.fuzz.run --format urdf` and `--format mjcf` found.
+The last ones are the smallest inputs of what `tests.suites.fuzz.run --format urdf --format mjcf` found.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ import time
 from pathlib import Path
 
 import pytest
-from benchmarks.assets.fuzz.one_case import examine
 
 from assetkit.options import Options
 from assetkit.sources.discover import discover
 from assetkit.stages.intake import ReadSource
+from tests.suites.fuzz.readers import asset
 from tests.support.bad_inputs.robot import Files, joint, link, mjcf, shape, urdf, write
 
 PANEL = shape('<box size="0.4 0.02 0.5"/>')
@@ -32,10 +32,8 @@ def slide(size: str) -> Files:
 
 def examined(files: Files, folder: Path) -> tuple[object, object, bool, list[str]]:
     """Objects made, broken promises, whether no exception was raised, and codes of findings."""
-    note = examine(folder, write(files, folder))
-    codes = note["codes"]
-    assert isinstance(codes, list)
-    return note["made"], note["broken"], "trace" not in note, codes
+    note = asset.read(folder, write(files, folder))
+    return note.made, note.broken, not note.trace, note.codes
 
 
 REFUSED = {
@@ -104,8 +102,8 @@ def test_many_links_are_refused_in_time_linear_in_their_number(files: Files, cod
     """10,000 take 5 s of a core in URDF, 1,000 half a second in MJCF; quadratic time would take minutes."""
     path = write(files, tmp_path)
     started = time.process_time()
-    note = examine(tmp_path, path)
-    assert note["codes"] == [code]
+    note = asset.read(tmp_path, path)
+    assert note.codes == [code]
     assert time.process_time() - started < 30.0
 
 
