@@ -18,7 +18,7 @@ PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist lo
 # Top-level folders with Python files that differ from the last commit: what `make quick` checks the types of.
 CHANGED = $(shell git status --porcelain -- '*.py' | sed 's/.* //' | grep / | cut -d/ -f1 | sort -u)
 
-.PHONY: demo quick test test-long peers check lint types layers bench gap-suite gap-suite-2 docs clean system
+.PHONY: demo quick test test-long peers check lint types layers bench fuzz gap-suite gap-suite-2 docs clean system
 
 demo: $(STAMP)
 	$(BIN)/mana demo --out $(DEMO_OUT)
@@ -52,6 +52,10 @@ layers: $(STAMP)
 
 bench: $(STAMP)
 	$(BIN)/python -m benchmarks.assets.ingest
+
+# 20 real files x 200 mutations of each format; FUZZ="--format urdf --mutations 20" and the like for less.
+fuzz: $(STAMP)
+	$(BIN)/python -m tests.suites.fuzz.run $(FUZZ)
 
 # About 500 cases; stops and goes on where it stopped. Records in GAP_OUT, one JSON per case.
 gap-suite: $(STAMP)
