@@ -35,6 +35,8 @@ CASE_S = 60.0  # of processor time for one input; they are small
 MEMORY_MB = 6144  # address space of a cell, of which libraries map about 2 GiB before they read anything
 WITHOUT_PEERS = tuple(name for name in READERS if name != "blend")  # Blender is a program of its own
 CELL = "tests.suites.fuzz.cell"
+# Arrow's allocator starts a thread on import, and a process with threads cannot be forked (jemalloc(3)).
+WITHOUT_THREADS = {"JE_ARROW_MALLOC_CONF": "background_thread:false"}
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class Run:
     @property
     def environment(self) -> dict[str, str]:
         """The environment of cells."""
-        return {**ENVIRONMENT, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
+        return {**ENVIRONMENT, **WITHOUT_THREADS, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
 
 
 @dataclass

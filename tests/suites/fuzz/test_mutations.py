@@ -45,11 +45,10 @@ def test_damage_is_deterministic_and_total(suffix: str, tmp_path: Path):
     data = SAMPLES.get(suffix, b"PXR-USDC" + bytes(200))
     if suffix in (".hdf5", ".h5"):
         data = replay_samples.robomimic(tmp_path / "d.hdf5", demos=1).read_bytes()
-    made = [mutate(Random(i), data, suffix) for i in range(60)]
-    assert [done for _, done in made] == [mutate(Random(i), data, suffix)[1] for i in range(60)]
-    if suffix not in (".hdf5", ".h5"):  # their library writes times into the file
-        assert made == [mutate(Random(i), data, suffix) for i in range(60)]
-    assert len({m for m, _ in made}) > 30
+    count = 6 if suffix in (".hdf5", ".h5") else 60  # their library is slow
+    made = [mutate(Random(i), data, suffix) for i in range(count)]
+    assert made == [mutate(Random(i), data, suffix) for i in range(count)]
+    assert len({m for m, _ in made}) > count // 2
 
 
 def test_a_case_is_the_same_on_every_run(tmp_path: Path):

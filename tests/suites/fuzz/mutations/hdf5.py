@@ -77,7 +77,7 @@ def _replace(rng: Random, file: h5py.File) -> None:
     elif choice == len(values):
         file.create_dataset(name, shape=(_HUGE,), chunks=(1024,), dtype="f8")
     elif choice == len(values) + 1:
-        file.create_dataset(name, data=np.zeros(10**7), compression="gzip", chunks=True)
+        file.create_dataset(name, data=np.zeros(10**6), compression="gzip", chunks=True)
     else:
         file.create_dataset(name, shape=(3,), dtype=h5py.vlen_dtype("f8"))
 
