@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from assetkit.options import Options
+from assetkit.readers.robot import read as read_robot_module
 from assetkit.sources.discover import discover
 from assetkit.stages.intake import ReadSource
 from tests.suites.fuzz.readers import asset
@@ -125,3 +126,14 @@ def test_a_repaired_joint_is_that_of_the_good_description_and_the_record_names_t
     assert mechanism.joints[0].axis == pytest.approx(axis)
     assert mechanism.joints[0].limits == limits
     assert name in [repair.name for repair in taken.repairs]
+
+
+def test_shapes_of_too_many_triangles_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """10,000 capsules fill 5 GiB; the bound is lowered to what this file has, less one."""
+    files = mjcf('<geom size="1"/><body><geom size="1"/></body>')
+    model = ReadSource().run(discover([write(files, tmp_path)])[0], Options()).objects[0].model
+    count = sum(len(mesh.triangles) for mesh in model.meshes)
+    for bound, codes in ((count, []), (count - 1, ["asset/resource-limit"])):
+        monkeypatch.setattr(read_robot_module, "MOST_TRIANGLES_READ", bound)
+        note = asset.read(tmp_path, write(files, tmp_path))
+        assert [code for code in note.codes if code == "asset/resource-limit"] == codes
