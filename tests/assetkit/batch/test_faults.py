@@ -129,9 +129,9 @@ def test_a_disk_that_takes_no_more_loses_no_finished_work(options: str, mended: 
     answer = json.loads(done.stdout)
     assert answer["code"] in (0, 2), answer
     assert "Traceback" not in answer["errors"]
-    first = json.loads(answer["printed"]) if answer["code"] == 0 else {"codes": {}}
+    first = json.loads(answer["printed"]) if answer["code"] == 0 else {"codes": {}, "accepted": 0}
     assert {code for codes in first["codes"].values() for code in codes} <= {"asset/storage-failed"}
-    assert answer["code"] == 2 or first["accepted"] < count, "the disk did not fill"
+    assert int(first["accepted"]) < count, "the disk did not fill"
     assert len(answer["printed"].splitlines()) == 1
     assert 0 < answer["stored"] < count
     assert (answer["cached"], answer["accepted"], answer["same"]) == (answer["stored"], count, True)
@@ -217,19 +217,20 @@ time.time, time.time_ns = _jumping, lambda: int(1e9 * _jumping())
 def test_a_clock_that_jumps_back_changes_nothing(tmp_path: Path):
     """Neither limits nor stores rest on the time of day; sources are from tomorrow and packages from yesterday."""
     results: dict[str, dict[str, bytes]] = {}
+    tomorrow, yesterday = time.time() + 86400.0, time.time() - 86400.0
     for name in ("right", "jumping"):
         batch = small_batch(tmp_path / name, plain_texts(4) | {"slow": "v 0 0 0 # sleep\n"}, f"a_{name}_cell")
         if name == "jumping":
             (batch.place / "sitecustomize.py").write_text(CLOCK)
             for source in (batch.place / "in").iterdir():
-                os.utime(source, (time.time() + 86400.0,) * 2)
+                os.utime(source, (tomorrow, tomorrow))
         answer = batch.run()
         codes = answer["codes"]
         assert isinstance(codes, dict)
         assert codes["slow"] == ["asset/worker-timeout"]
         assert answer["accepted"] == 4
         for path in batch.out.rglob("*.json"):
-            os.utime(path, (time.time() - 86400.0,) * 2)
+            os.utime(path, (yesterday, yesterday))
         (batch.place / "in" / "slow.obj").write_text("v 9 0 0\n")
         run_again(batch, 5)
         files = {p.relative_to(batch.out).as_posix(): p.read_bytes() for p in batch.out.glob("[!.]*/**/*.*")}

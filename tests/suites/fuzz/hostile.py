@@ -288,6 +288,7 @@ FORMATS = {
     "episode": "d.hdf5",
     "measurement": "measurement.yaml",
 }
+GLB = b"glTF" + struct.pack("<II", 2, 12)  # the head of a binary glTF and nothing behind it
 PDF = b"%PDF-1.7\n1 0 obj<<>>endobj\ntrailer<<>>\n%%EOF\n"
 KINDS: dict[str, Hostile] = {
     **{f"{name}, 0 bytes": Hostile(name, file, {file: b""}, ()) for name, file in FORMATS.items() if name != "scene"},
@@ -298,5 +299,5 @@ KINDS: dict[str, Hostile] = {
     },
     **{f"{name}, a ZIP": Hostile(name, file, {file: _usdz(("a.txt", b"x"))}, ()) for name, file in FORMATS.items()},
     "an OBJ named .stl": Hostile("stl", "p.stl", {"p.stl": OBJ.encode()}, ("asset/wrong-content", "asset/parse-error")),
-    "a GLB named .obj": Hostile("obj", "p.obj", {"p.obj": CUBE.export(file_type="glb")}, ("asset/wrong-content",)),
+    "a GLB named .obj": Hostile("obj", "p.obj", {"p.obj": GLB}, ("asset/wrong-content",)),
 }

@@ -42,6 +42,13 @@ def _members(file: h5py.File, kind: type) -> list[str]:
     return sorted(names) or ["data"]
 
 
+def _dataset(file: h5py.File, name: str) -> h5py.Dataset:
+    item = file[name]
+    if not isinstance(item, h5py.Dataset):
+        raise KeyError(name)
+    return item
+
+
 def _any_name(rng: Random, file: h5py.File) -> str:
     return rng.choice(_members(file, h5py.Dataset if rng.random() < 0.6 else h5py.Group))
 
@@ -53,7 +60,7 @@ def _delete(rng: Random, file: h5py.File) -> None:
 def _replace(rng: Random, file: h5py.File) -> None:
     """A data set of another type, shape or size."""
     name = rng.choice(_members(file, h5py.Dataset))
-    shape = np.shape(file[name])
+    shape = _dataset(file, name).shape
     del file[name]
     values: list[Any] = [
         *(np.zeros(0), np.float64(1.0), np.zeros((3, 0)), np.full(shape, np.nan), np.zeros((*shape, 2))),
@@ -84,7 +91,7 @@ def _replace(rng: Random, file: h5py.File) -> None:
 
 def _numbers(rng: Random, file: h5py.File) -> None:
     """A few numbers that are not finite or odd; rows in another order."""
-    item = file[rng.choice(_members(file, h5py.Dataset))]
+    item = _dataset(file, rng.choice(_members(file, h5py.Dataset)))
     values = np.asarray(item[()])
     if values.dtype.kind == "f" and values.size:
         for _ in range(rng.choice((1, 20))):
@@ -134,7 +141,7 @@ def _rename(rng: Random, file: h5py.File) -> None:
 
 def _nest(rng: Random, file: h5py.File) -> None:
     """A thousand groups inside one another."""
-    group = file["/"]
+    group: h5py.Group = file
     for _ in range(1000):
         group = group.create_group("a")
 
