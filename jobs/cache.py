@@ -7,7 +7,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from jobs.durable import sync
@@ -26,8 +26,16 @@ def file_sha256(path: Path) -> str:
 
 
 def changed_files(folder: Path, hashes: Mapping[str, str]) -> list[str]:
-    """Names of files below a folder that are absent or do not match their SHA-256, in the given order."""
-    return [name for name, sha in hashes.items() if not (folder / name).is_file() or file_sha256(folder / name) != sha]
+    """Names of files below a folder that are absent or do not match their SHA-256, in the given order.
+
+    A name that leads out of the folder counts as absent, unopened.
+    """
+    return [name for name, sha in hashes.items() if not _is_below(folder, name) or file_sha256(folder / name) != sha]
+
+
+def _is_below(folder: Path, name: str) -> bool:
+    path = PurePosixPath(name)
+    return not path.is_absolute() and ".." not in path.parts and (folder / path).is_file()
 
 
 @dataclass(frozen=True)

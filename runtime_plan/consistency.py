@@ -28,6 +28,8 @@ def _inconsistencies(plan: RuntimePlan) -> Iterator[str]:
     if any(not stance.prisms for body in plan.bodies for stance in body.stances):
         yield "a stance has no outline"
     prisms = (prism for body in plan.bodies for stance in body.stances for prism in stance.prisms)
+    if any(body.package is not None and not _is_folder_name(body.package) for body in plan.bodies):
+        yield "a body names a package by a path"
     if not all(_is_convex(prism.outline_m) for prism in prisms):
         yield "an outline of a stance is not convex or not counter-clockwise"
     materials, lighting = {item.id for item in plan.materials}, {item.id for item in plan.lighting}
@@ -38,6 +40,11 @@ def _inconsistencies(plan: RuntimePlan) -> Iterator[str]:
         yield from (f"{path}: there is no lighting `{name}`" for name in combination.lighting if name not in lighting)
     if not all(0.0 < combination.weight < np.inf for combination in plan.combinations):
         yield "a combination has no share of the draws"
+
+
+def _is_folder_name(name: str) -> bool:
+    """Whether `name` can only be a folder directly below another one."""
+    return bool(name) and name not in (".", "..") and not set(name) & set("/\\\0")
 
 
 def _is_convex(outline_m: FloatArray) -> bool:

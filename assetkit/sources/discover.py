@@ -6,7 +6,7 @@ import os
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -59,7 +59,7 @@ def discover(sources: Sequence[Path], *, root: Path | None = None, out: Path | N
         for path, folder in pairs:
             given_and_root.setdefault(path.absolute().parent.resolve() / path.name, (path, folder))
     unique = sorted((str(path), path, folder) for path, folder in given_and_root.values())
-    ids = _asset_ids([path for _, path, _ in unique])
+    ids = _asset_ids({path: folder for _, path, folder in unique})
     return tuple(
         SourceAsset(printable(given), SourceFile(path, folder), format_of(path), ids[path])
         for given, path, folder in unique
@@ -84,21 +84,27 @@ def printable(name: str) -> str:
     return os.fsencode(name).decode("utf-8", "backslashreplace")
 
 
-def _asset_ids(paths: Sequence[Path]) -> dict[Path, str]:
-    """Slug of the stem; where several share it, each gets 6 hex of its content (and of its path if that is equal)."""
+def _asset_ids(roots: Mapping[Path, Path]) -> dict[Path, str]:
+    """The ids of files with their roots: the slug of the stem; where several share it, each gets 6 hex of its content,
+    and of its path if that is equal.
+    """
+    paths = list(roots)
     slugs = {path: slug(path.stem) for path in paths}
     clashes = Counter(slugs.values())
-    ids = {p: s if clashes[s] == 1 else f"{s}-{_content(p)[:6]}" for p, s in slugs.items()}
+    contents = {p: _content(p, roots[p]) for p, s in slugs.items() if clashes[s] > 1}
+    ids = {p: f"{s}-{contents[p][:6]}" if p in contents else s for p, s in slugs.items()}
     twins = Counter(ids.values())
     top = os.path.commonpath([p.absolute().parent for p in paths]) if paths else ""
     return {
-        p: i if twins[i] == 1 else f"{slugs[p]}-{content_key(_content(p), os.path.relpath(p.absolute(), top))[:6]}"
+        p: i if twins[i] == 1 else f"{slugs[p]}-{content_key(contents[p], os.path.relpath(p.absolute(), top))[:6]}"
         for p, i in ids.items()
     }
 
 
-def _content(path: Path) -> str:
-    """The file's hash; of its name when it cannot be read, which intake will report."""
+def _content(path: Path, root: Path) -> str:
+    """The file's hash; of its name when it cannot be read or a link leads out of its root, which intake will report."""
+    if path.is_symlink() and not _lies_below(path, root):
+        return content_key(printable(path.name))
     try:
         return file_sha256(path) if path.is_file() else content_key(printable(path.name))
     except OSError:

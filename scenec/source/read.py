@@ -39,10 +39,9 @@ def read_program(
     """
     inside = (root or path.parent).resolve()
     tree, diagnostics = load(path, inside) if parser is None else load(path, inside, parser.parse)
-    target = path.resolve()
-    name = target.relative_to(inside).as_posix() if target.is_relative_to(inside) else path.name
-    if tree is None:
-        return ReadResult(None, Spans(None, name), diagnostics)
+    if tree is None:  # perhaps for a path that cannot be resolved
+        return ReadResult(None, Spans(None, path.name), diagnostics)
+    name = path.resolve().relative_to(inside).as_posix()
     rules: list[Diagnostic] = []
     tree = resolve_overlays(tree, rules)
     spans = Spans(tree, name)

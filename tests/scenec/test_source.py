@@ -1,6 +1,7 @@
 """Text of programs: includes, overlays, places that survive merging, bounds, all errors in one run."""
 
 import json
+import os
 import time
 from pathlib import Path
 from typing import Any
@@ -278,3 +279,16 @@ def test_a_colour_that_is_none_is_told_where_it_stands(tmp_path: Path):
     assert "`green`" in found.diagnostics[0].headline
     for colour in ("green", '"#2a9d8f"', '"rgb(10, 20, 30)"'):
         assert read(tmp_path, program=SOUND.replace("0.05]", f"0.05], color: {colour}")).program is not None
+
+
+def test_a_pipe_or_a_circle_of_links_is_a_missing_file_at_once(tmp_path: Path):
+    os.mkfifo(tmp_path / "pipe.yaml")
+    (tmp_path / "loop.yaml").symlink_to("loop.yaml")
+    for name in ("pipe.yaml", "loop.yaml"):
+        assert [d.code for d in read_program(tmp_path / name).diagnostics] == ["scene/missing-file"]
+        assert read(tmp_path, program=f"include: {name}\n").diagnostics[0].code == "scene/missing-file"
+
+
+def test_a_directive_that_the_parser_does_not_know_is_a_finding(tmp_path: Path):
+    found = read(tmp_path, program="%YAML 9.9\n---\n" + SOUND)
+    assert [d.code for d in found.diagnostics] == ["scene/yaml-syntax"]

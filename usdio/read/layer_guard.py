@@ -19,6 +19,7 @@ from pxr import Sdf, Tf, Usd
 from schemas.diagnostics import Diagnostic, InvalidInput, Severity, finding
 from usdio.read.asset_location import AssetLocation, locate_asset
 from usdio.read.materialx import material_x_layer
+from usdio.read.text_nesting import require_shallow
 
 MAX_LAYERS: Final = 4096
 _FORMATS: Final = ("usd", "usda", "usdc")
@@ -122,6 +123,8 @@ def _open(location: AssetLocation) -> Sdf.Layer:
     # Bytes 16..24 of a crate file are the offset of its table of contents (OpenUSD, crateFile.h, _BootStrap).
     if head.startswith(_CRATE) and not 0 < int.from_bytes(data[16:24], "little") < len(data):
         raise InvalidInput(finding("asset/truncated", "the table of contents lies behind the end", where=where))
+    if not head.startswith(_CRATE):
+        require_shallow(data, where)
     try:
         layer = Sdf.Layer.OpenAsAnonymous(location.identifier)
     except Tf.ErrorException as error:

@@ -10,6 +10,8 @@ import sys
 
 import h5py
 
+MOST_PACKED_RATIO = 1032  # of deflate (RFC 1951, zlib's technical details)
+MOST_UNSTORED_BYTES = 10**9  # that a data set may declare and not write, which read as zeros
 ROWS_AT_ONCE = 65536  # of a data set at a time
 
 
@@ -29,6 +31,9 @@ def _read(item: h5py.Group | h5py.Dataset | h5py.Datatype) -> None:
         item.attrs[name]
     if not isinstance(item, h5py.Dataset) or item.external or item.is_virtual or item.shape is None:
         return
+    stored = item.id.get_storage_size()
+    if item.nbytes > MOST_UNSTORED_BYTES + MOST_PACKED_RATIO * stored:
+        raise ValueError(f"'{item.name}' declares {item.nbytes} bytes and stores {stored}")
     if item.ndim == 0:
         item[()]
     for first in range(0, len(item) if item.ndim else 0, ROWS_AT_ONCE):

@@ -16,7 +16,6 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -31,7 +30,6 @@ CODES = {
     "sleep": "asset/worker-timeout",
     "bomb": "asset/worker-out-of-memory",
 }
-DAY_S = 86400.0
 FILE_BYTES = 10_000  # a limit that the layer of a package exceeds and its record does not
 
 
@@ -72,7 +70,6 @@ IN_NAMESPACE = """
 import json, subprocess, sys
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 from tests.assetkit.batch.small_batch import SmallBatch
 place, options, mended = sys.argv[1:4]
 batch = SmallBatch(Path(place), sys.stdin.read())
@@ -132,9 +129,9 @@ def test_a_disk_that_takes_no_more_loses_no_finished_work(options: str, mended: 
     answer = json.loads(done.stdout)
     assert answer["code"] in (0, 2), answer
     assert "Traceback" not in answer["errors"]
-    first: dict[str, Any] = json.loads(answer["printed"]) if answer["code"] == 0 else {"codes": {}}
+    first = json.loads(answer["printed"]) if answer["code"] == 0 else {"codes": {}, "accepted": 0}
     assert {code for codes in first["codes"].values() for code in codes} <= {"asset/storage-failed"}
-    assert answer["code"] == 2 or first["accepted"] < count, "the disk did not fill"
+    assert int(first["accepted"]) < count, "the disk did not fill"
     assert len(answer["printed"].splitlines()) == 1
     assert 0 < answer["stored"] < count
     assert (answer["cached"], answer["accepted"], answer["same"]) == (answer["stored"], count, True)
@@ -198,7 +195,7 @@ def test_two_interrupts_leave_a_library_that_the_next_run_completes(group: bool,
         for _ in range(2):
             if driver.poll() is None:
                 (os.killpg if group else os.kill)(driver.pid, signal.SIGINT)
-            time.sleep(draw.uniform(0.0, 0.05) * attempt)
+            time.sleep(draw.uniform(0.0, 0.1) * attempt)
         driver.communicate(timeout=DEADLINE_S)
         assert len(batch.stored()) >= stored
         stored = len(batch.stored())
@@ -206,38 +203,36 @@ def test_two_interrupts_leave_a_library_that_the_next_run_completes(group: bool,
     run_again(batch, count)
 
 
-# Put before the modules of the driver and its cells: the clock jumps back by a day at each tenth question.
+# Put before the modules of the driver and its cells: the clock jumps back by a day at each question.
 CLOCK = """
 import time
 _right, _asked = time.time, [0]
 def _jumping():
     _asked[0] += 1
-    return _right() - 86400.0 * (_asked[0] // 10)
+    if _asked[0] == 2: open(__file__ + '.jumped', 'w').close()
+    return _right() - 86400.0 * _asked[0]
 time.time, time.time_ns = _jumping, lambda: int(1e9 * _jumping())
 """
-
-
-def dated(path: Path, at_s: float) -> None:
-    """Set both times of a file."""
-    os.utime(path, (at_s, at_s))
 
 
 def test_a_clock_that_jumps_back_changes_nothing(tmp_path: Path):
     """Neither limits nor stores rest on the time of day; sources are from tomorrow and packages from yesterday."""
     results: dict[str, dict[str, bytes]] = {}
+    tomorrow, yesterday = time.time() + 86400.0, time.time() - 86400.0
     for name in ("right", "jumping"):
         batch = small_batch(tmp_path / name, plain_texts(4) | {"slow": "v 0 0 0 # sleep\n"}, f"a_{name}_cell")
         if name == "jumping":
             (batch.place / "sitecustomize.py").write_text(CLOCK)
             for source in (batch.place / "in").iterdir():
-                dated(source, time.time() + DAY_S)
+                os.utime(source, (tomorrow, tomorrow))
         answer = batch.run()
+        assert (batch.place / "sitecustomize.py.jumped").exists() == (name == "jumping")
         codes = answer["codes"]
         assert isinstance(codes, dict)
         assert codes["slow"] == ["asset/worker-timeout"]
         assert answer["accepted"] == 4
         for path in batch.out.rglob("*.json"):
-            dated(path, time.time() - DAY_S)
+            os.utime(path, (yesterday, yesterday))
         (batch.place / "in" / "slow.obj").write_text("v 9 0 0\n")
         run_again(batch, 5)
         files = {p.relative_to(batch.out).as_posix(): p.read_bytes() for p in batch.out.glob("[!.]*/**/*.*")}

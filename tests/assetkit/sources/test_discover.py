@@ -5,6 +5,7 @@ import pytest
 
 from assetkit.sources.discover import discover, slug
 from assetkit.sources.source_file import refusal
+from tests.suites.fuzz.outside import Watch, make_outside
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
@@ -132,3 +133,16 @@ def test_megabytes_without_a_blank_are_scanned_once(tmp_path: Path):
     (tmp_path / "layer.usda").write_text('#usda 1.0\ndef Mesh "m" {}\n')
     (tmp_path / "top.gltf").write_text("A" * 2_000_000 + " ./layer.usda " + "." * 1_000_000)
     assert [c.file.path.name for c in discover([tmp_path])] == ["top.gltf"]
+
+
+def test_a_link_out_of_the_walked_folder_is_not_opened_to_see_what_it_is(tmp_path: Path):
+    """MJCF is told from other XML by its text, and text is searched for references: neither is done out there."""
+    outside = make_outside(tmp_path / "outside")
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    for suffix in (".xml", ".urdf", ".usda", ".obj"):
+        (inside / f"part{suffix}").symlink_to(outside / f"secret{suffix}")
+    with Watch(outside) as watch:
+        candidates = discover([inside])
+        assert watch.events() == []
+    assert [Path(c.given).name for c in candidates] == ["part.obj", "part.urdf", "part.usda", "part.xml"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -28,6 +29,7 @@ from tests.support.bad_inputs.gap import (
     spec_text,
     tossed,
 )
+from tests.support.measurements import codes
 
 
 def spec(old: str, new: str) -> Writer:
@@ -148,3 +150,27 @@ def test_decimal_commas_and_clock_stamps_are_numbers(tmp_path: Path):
         assert other is not None
         np.testing.assert_allclose(other.trials[0].p, plain.trials[0].p, atol=1e-8)
         np.testing.assert_allclose(other.trials[0].t_s, plain.trials[0].t_s, atol=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "folder", "loop"])
+def test_a_specification_that_is_no_file_is_missing_at_once(kind: str, tmp_path: Path) -> None:
+    spec = tmp_path / "measurement.yaml"
+    if kind == "pipe":
+        os.mkfifo(spec)
+    elif kind == "folder":
+        spec.mkdir()
+    else:
+        spec.symlink_to(spec.name)
+    assert codes(tmp_path) == {"gap/missing-file"}
+
+
+def test_a_directive_that_the_parser_does_not_know_is_a_finding(tmp_path: Path) -> None:
+    (tmp_path / "measurement.yaml").write_text("%YAML 9.9\n---\nname: x\n")
+    assert codes(tmp_path) == {"gap/yaml-syntax"}
+
+
+def test_stamps_beyond_every_epoch_are_rows_without_a_number(tmp_path: Path) -> None:
+    def late(columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        return columns | {"t": np.where(np.arange(len(columns["t"])) == 20, 1e308, columns["t"])}
+
+    assert codes(tossed(late)(tmp_path)) == {"gap/non-finite-rows", "gap/dropped-frames"}

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import shutil
 import signal
 import sys
@@ -34,6 +35,8 @@ CASE_S = 60.0  # of processor time for one input; they are small
 MEMORY_MB = 6144  # address space of a cell, of which libraries map about 2 GiB before they read anything
 WITHOUT_PEERS = tuple(name for name in READERS if name != "blend")  # Blender is a program of its own
 CELL = "tests.suites.fuzz.cell"
+# Arrow's allocator starts a thread on import, and a process with threads cannot be forked (jemalloc(3)).
+WITHOUT_THREADS = {"JE_ARROW_MALLOC_CONF": "background_thread:false"}
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,12 @@ class Run:
     keep: Path | None = None
     seconds: float = CASE_S
     memory_mb: int = MEMORY_MB
+    cell: str = CELL
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """The environment of cells."""
+        return {**ENVIRONMENT, **WITHOUT_THREADS, "PYTHONPATH": os.pathsep.join([str(ROOT), *sys.path])}
 
 
 @dataclass
@@ -58,8 +67,7 @@ class _Progress:
 
 def fuzz(seeds: Sequence[Seed], run: Run, jobs: int = 1) -> Iterator[Row]:
     """A row per case, seed after seed; cells are forks of one process that has loaded all readers."""
-    environment = {**ENVIRONMENT, "PYTHONPATH": str(ROOT)}
-    with warm_cells(CELL, env=environment):
+    with warm_cells(run.cell, env=run.environment):
         for _, rows in run_all(lambda seed: _of_seed(seed, run), seeds, jobs=jobs):
             yield from rows
 
@@ -94,8 +102,7 @@ def _one_cell(seed: Seed, run: Run, place: Path, progress: _Progress) -> None:
     }
     (place / "task.json").write_text(json.dumps(task))
     limits = Limits(seconds=(WAITING_FACTOR * run.seconds + 10.0) * len(progress.left), memory_mb=run.memory_mb)
-    environment = {**ENVIRONMENT, "PYTHONPATH": str(ROOT)}
-    result = run_module(CELL, [str(place / "task.json"), str(notes_file)], limits, env=environment)
+    result = run_module(run.cell, [str(place / "task.json"), str(notes_file)], limits, env=run.environment)
     lines = [json.loads(line) for line in notes_file.read_text().splitlines()] if notes_file.exists() else []
     before = len(progress.left)
     for line in lines:

@@ -1,4 +1,4 @@
-"""The damage that the fuzz suite does: the same for the same seed, never a failure of its own; a slice of the suite."""
+"""The damage that the fuzzer does: the same for the same seed, and never a failure of its own."""
 
 import json
 from pathlib import Path
@@ -6,12 +6,13 @@ from random import Random
 
 import pytest
 
-from tests.suites.fuzz import run
 from tests.suites.fuzz.cases import make_case
 from tests.suites.fuzz.mutations.by_suffix import BY_SUFFIX, mutate
-from tests.suites.fuzz.readers.by_format import READERS
-from tests.suites.fuzz.seeds import asset_seeds, seeds_of
+from tests.suites.fuzz.readers import asset
+from tests.suites.fuzz.seeds import asset_seeds
+from tests.support import replay_samples
 from tests.support.bad_inputs.assets import CUBE, gltf_json, obj_text, usda
+from tests.support.bad_inputs.gap import FREE
 from tests.support.bad_inputs.robot import inertial, joint, link, mjcf, shape, urdf
 
 _HINGE = '<axis xyz="0 0 1"/><limit lower="0" upper="1" effort="1" velocity="1"/>'
@@ -33,19 +34,21 @@ SAMPLES = {
     ".urdf": ("\n".join(URDF.values())).encode(),
     ".xml": ("\n".join(MJCF.values())).encode(),
     ".mtl": b"newmtl a\nKd 1 0 0\n",
+    ".yaml": FREE.encode(),
+    ".json": json.dumps(gltf_json()).encode(),
+    ".csv": b"t,x\n0,1\n1,2\n",
 }
 
 
-# Of 60: text without numbers, and what is no HDF5 or picture, can be damaged in fewer ways.
-LEAST_COPIES = {".usdz": 8, ".hdf5": 8, ".h5": 8, ".png": 8}
-
-
 @pytest.mark.parametrize("suffix", sorted(BY_SUFFIX))
-def test_damage_is_deterministic_and_total(suffix: str):
+def test_damage_is_deterministic_and_total(suffix: str, tmp_path: Path):
     data = SAMPLES.get(suffix, b"PXR-USDC" + bytes(200))
-    copies = [mutate(Random(i), data, suffix) for i in range(60)]
-    assert copies == [mutate(Random(i), data, suffix) for i in range(60)]
-    assert len({damaged for damaged, _ in copies}) > LEAST_COPIES.get(suffix, 30)
+    if suffix in (".hdf5", ".h5"):
+        data = replay_samples.robomimic(tmp_path / "d.hdf5", demos=1).read_bytes()
+    count = 6 if suffix in (".hdf5", ".h5") else 60  # their library is slow
+    made = [mutate(Random(i), data, suffix) for i in range(count)]
+    assert made == [mutate(Random(i), data, suffix) for i in range(count)]
+    assert len({m for m, _ in made}) > count // 2
 
 
 def test_a_case_is_the_same_on_every_run(tmp_path: Path):
@@ -53,33 +56,12 @@ def test_a_case_is_the_same_on_every_run(tmp_path: Path):
     folder.mkdir()
     usda()(folder)
     [seed] = asset_seeds([folder])
-    for number in range(20):
-        (_, first, done), (_, again, redone) = (
-            make_case(f"0:{number}", seed, tmp_path / f"{k}_{number}") for k in "ab"
-        )
-        assert (first.name, done) == (again.name, redone)
-        if first.is_file() and not first.is_symlink():
-            assert first.read_bytes().replace(b"/a_", b"/b_") == again.read_bytes().replace(b"/a_", b"/b_")
+    first, again = (make_case("0:1", seed, tmp_path / name) for name in ("a", "b"))
+    assert first[1].name == again[1].name
+    assert first[2] == again[2]
+    assert first[1].read_bytes() == again[1].read_bytes()
 
 
 def test_a_sound_file_breaks_no_promise(tmp_path: Path):
-    note = READERS["usd"](tmp_path, usda()(tmp_path))
+    note = asset.read(tmp_path, usda()(tmp_path))
     assert (note.made, note.broken, note.trace) == (1, [], "")
-
-
-def test_sound_scenes_and_plans_break_no_promise(tmp_path: Path):
-    for seed in (*seeds_of("scene", tmp_path, 2), *seeds_of("plan", tmp_path, 1)):
-        note = READERS[seed.format](seed.folder, seed.file)
-        assert (note.broken, note.trace) == ([], "")
-
-
-def test_a_slice_of_the_suite_finds_nothing(tmp_path: Path):
-    """One format through a cell, as `make fuzz` runs all."""
-    argv = ["--files", "2", "--mutations", "5", "--seed", "1", "--format", "stl"]
-    assert run.main([*argv, "--out", str(tmp_path)]) == 0
-    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
-
-
-@pytest.mark.long
-def test_all_formats_find_nothing(tmp_path: Path):
-    assert run.main(["--files", "4", "--mutations", "20", "--seed", "2", "--out", str(tmp_path)]) == 0

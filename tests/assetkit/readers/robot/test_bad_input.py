@@ -1,6 +1,6 @@
 """Bad descriptions come back as codes, through intake and canonicalize: never an exception, never a silent loss.
 
-The last ones are the smallest inputs of what `tests.suites.fuzz.run --format urdf` and `--format mjcf` found.
+The last ones are the smallest inputs of what `tests.suites.fuzz.run --format urdf --format mjcf` found.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 
 from assetkit.options import Options
+from assetkit.readers.robot import read as read_robot_module
 from assetkit.sources.discover import discover
 from assetkit.stages.intake import ReadSource
-from tests.suites.fuzz.readers.asset import read
+from tests.suites.fuzz.readers import asset
 from tests.support.bad_inputs.robot import Files, joint, link, mjcf, shape, urdf, write
 
 PANEL = shape('<box size="0.4 0.02 0.5"/>')
@@ -30,9 +31,9 @@ def slide(size: str) -> Files:
     return urdf(link("a", shape(size)), link("b", shape(size)), hinge(AXIS + LIMIT.format(0, 1)))
 
 
-def examined(files: Files, folder: Path) -> tuple[int, list[str], bool, list[str]]:
+def examined(files: Files, folder: Path) -> tuple[object, object, bool, list[str]]:
     """Objects made, broken promises, whether no exception was raised, and codes of findings."""
-    note = read(folder, write(files, folder))
+    note = asset.read(folder, write(files, folder))
     return note.made, note.broken, not note.trace, note.codes
 
 
@@ -102,7 +103,7 @@ def test_many_links_are_refused_in_time_linear_in_their_number(files: Files, cod
     """10,000 take 5 s of a core in URDF, 1,000 half a second in MJCF; quadratic time would take minutes."""
     path = write(files, tmp_path)
     started = time.process_time()
-    note = read(tmp_path, path)
+    note = asset.read(tmp_path, path)
     assert note.codes == [code]
     assert time.process_time() - started < 30.0
 
@@ -125,3 +126,14 @@ def test_a_repaired_joint_is_that_of_the_good_description_and_the_record_names_t
     assert mechanism.joints[0].axis == pytest.approx(axis)
     assert mechanism.joints[0].limits == limits
     assert name in [repair.name for repair in taken.repairs]
+
+
+def test_shapes_of_too_many_triangles_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """10,000 capsules fill 5 GiB; the bound is lowered to what this file has, less one."""
+    files = mjcf('<geom size="1"/><body><geom size="1"/></body>')
+    model = ReadSource().run(discover([write(files, tmp_path)])[0], Options()).objects[0].model
+    count = sum(len(mesh.triangles) for mesh in model.meshes)
+    for bound, codes in ((count, []), (count - 1, ["asset/resource-limit"])):
+        monkeypatch.setattr(read_robot_module, "MOST_TRIANGLES_READ", bound)
+        note = asset.read(tmp_path, write(files, tmp_path))
+        assert [code for code in note.codes if code == "asset/resource-limit"] == codes

@@ -35,13 +35,14 @@ BY_SUFFIX: dict[str, tuple[Mutation, ...]] = {
     ".csv": (*TEXT, *TEXT, *BINARY),
     ".png": (odd_picture_size, odd_picture_size, *BINARY),
 }
+MOST_BYTES = 20_000_000  # that are damaged once more
 
 
 def mutate(rng: Random, data: bytes, suffix: str) -> tuple[bytes, str]:
     """`data` damaged once to three times by what fits its kind, and the names of what was done."""
     names: list[str] = []
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
-        if not data:
+        if not 0 < len(data) <= MOST_BYTES:
             break
         mutation = rng.choice(BY_SUFFIX.get(suffix.lower(), BINARY))
         data = mutation(rng, data)

@@ -42,17 +42,15 @@ def _members(file: h5py.File, kind: type) -> list[str]:
     return sorted(names) or ["data"]
 
 
-def _any_name(rng: Random, file: h5py.File) -> str:
-    return rng.choice(_members(file, h5py.Dataset if rng.random() < 0.6 else h5py.Group))
-
-
-def _data_set(rng: Random, file: h5py.File) -> tuple[str, h5py.Dataset]:
-    """A data set and its name. Raises KeyError where the file has none."""
-    name = rng.choice(_members(file, h5py.Dataset))
+def _dataset(file: h5py.File, name: str) -> h5py.Dataset:
     item = file[name]
     if not isinstance(item, h5py.Dataset):
         raise KeyError(name)
-    return name, item
+    return item
+
+
+def _any_name(rng: Random, file: h5py.File) -> str:
+    return rng.choice(_members(file, h5py.Dataset if rng.random() < 0.6 else h5py.Group))
 
 
 def _delete(rng: Random, file: h5py.File) -> None:
@@ -61,8 +59,8 @@ def _delete(rng: Random, file: h5py.File) -> None:
 
 def _replace(rng: Random, file: h5py.File) -> None:
     """A data set of another type, shape or size."""
-    name, data_set = _data_set(rng, file)
-    shape = data_set.shape or ()
+    name = rng.choice(_members(file, h5py.Dataset))
+    shape = _dataset(file, name).shape
     del file[name]
     values: list[Any] = [
         *(np.zeros(0), np.float64(1.0), np.zeros((3, 0)), np.full(shape, np.nan), np.zeros((*shape, 2))),
@@ -86,14 +84,14 @@ def _replace(rng: Random, file: h5py.File) -> None:
     elif choice == len(values):
         file.create_dataset(name, shape=(_HUGE,), chunks=(1024,), dtype="f8")
     elif choice == len(values) + 1:
-        file.create_dataset(name, data=np.zeros(10**7), compression="gzip", chunks=True)
+        file.create_dataset(name, data=np.zeros(10**6), compression="gzip", chunks=True)
     else:
         file.create_dataset(name, shape=(3,), dtype=h5py.vlen_dtype("f8"))
 
 
 def _numbers(rng: Random, file: h5py.File) -> None:
     """A few numbers that are not finite or odd; rows in another order."""
-    _, item = _data_set(rng, file)
+    item = _dataset(file, rng.choice(_members(file, h5py.Dataset)))
     values = np.asarray(item[()])
     if values.dtype.kind == "f" and values.size:
         for _ in range(rng.choice((1, 20))):

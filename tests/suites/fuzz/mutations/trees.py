@@ -51,7 +51,7 @@ def double_key(rng: Random, data: bytes) -> bytes:
 
 def edit_yaml(rng: Random, data: bytes) -> bytes:
     """As `edit_json` for a YAML document, which keeps its values and loses its style."""
-    if b"&x" in data:  # `odd_yaml` was here: written out, its aliases fill the memory
+    if b"&" in data:  # `odd_yaml` was here: written out, its aliases fill the memory
         return flip_bits(rng, data)
     try:
         document = YAML(typ="safe", pure=True).load(data)
