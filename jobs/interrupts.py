@@ -17,7 +17,7 @@ _INSISTENT = 4  # presses after which the exception is raised wherever the progr
 
 @contextmanager
 def deferred_interrupts() -> Iterator[Callable[[], bool]]:
-    """Within it, Ctrl-C raises nothing at first: the given function tells whether it was pressed, and its caller stops.
+    """Defers Ctrl-C: it raises nothing at first; the yielded function returns whether one came, so that a caller stops.
 
     The fourth press raises KeyboardInterrupt at once. Threads other than the main one, and programs with a way of their
     own to take SIGINT, are left as they are.

@@ -41,10 +41,8 @@ variants:
   materials:
     - {id: oak, objects: [background], base_color: [0.55, 0.4, 0.25], roughness: 0.7,
        static_friction: 0.5, dynamic_friction: 0.45}
-    - {id: steel, objects: [plate], base_color: [0.6, 0.6, 0.62], roughness: 0.3, metallic: 1.0,
-       density_kgm3: 7850, static_friction: 0.4, dynamic_friction: 0.35}
-    - {id: clay, objects: [plate], base_color: [0.6, 0.3, 0.2], roughness: 0.8,
-       density_kgm3: 1900, static_friction: 0.6, dynamic_friction: 0.5}
+    - {id: steel, objects: [plate], pair: stainless_steel}
+    - {id: clay, objects: [plate], pair: terracotta}
 """
 _MORE = "  - {left_of: [tray, duck]}\n  - {left_of: [duck, plate], gap: 0.02}\n"
 
