@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from schemas.arrays import FloatArray, IntArray
-from sim.dynamics.compiled.coupled_joints import PLANAR, TREE, roll_coupled
 from sim.dynamics.compiled.inputs import (
     EFFORT_DRIVE,
     EFFORT_LAW,
@@ -24,7 +23,9 @@ from sim.dynamics.compiled.inputs import (
     Inputs,
     address_of,
 )
+from sim.dynamics.compiled.planar_chain import roll_planar_chain
 from sim.dynamics.compiled.separate_joints import roll_separate
+from sim.dynamics.compiled.tree import roll_tree
 from sim.dynamics.hooks import EffortMap, JointFriction, JointTorque, StepHook
 from sim.dynamics.joint_dynamics import CoupledJoints, PlanarChain, SeparateJoints, joint_dynamics
 
@@ -81,7 +82,10 @@ def rollout(
     if isinstance(form, SeparateJoints):
         remembers = any(law.hook.memory for law in laws if isinstance(law.hook, StepHook))
         return roll_separate(given, remembers, _separate_numbers(form))
-    return roll_coupled(given, *_numbers(form, joints))
+    if isinstance(form, PlanarChain):
+        return roll_planar_chain(given, *_planar_numbers(form))
+    assert isinstance(form, CoupledJoints)
+    return roll_tree(given, _tree_numbers(form))
 
 
 def _has_input(windows: Windows, drive_type: str) -> bool:
@@ -99,36 +103,21 @@ def _separate_numbers(form: SeparateJoints) -> FloatArray:
     return np.array(rows, dtype=float)
 
 
-def _numbers(form: Any, joints: int) -> tuple[int, Any, Any]:
-    """The form of the dynamics, and its numbers: a planar chain, a tree."""
-    places = np.zeros(joints, dtype=complex), np.zeros(joints)  # for directions and squared rates of links
-    planar = (
-        np.zeros((5, joints)),
-        np.zeros((2, joints, joints), dtype=complex),
-        np.zeros(joints, dtype=complex),
-        0j,
-        0.0,
-        *places,
+def _planar_numbers(form: PlanarChain) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """The numbers of a planar chain, complex ones as real and imaginary parts; see `roll_planar_chain`."""
+    rows = (form.zero, form.turning, form.armature, form.outboard_mass, form.weight.real, form.weight.imag)
+    return (
+        np.array(rows, dtype=float),
+        np.stack([form.coupled.real, form.coupled.imag]),
+        np.stack([form.outboard.real, form.outboard.imag]),
+        np.array([form.gravity.real, form.gravity.imag, form.gravity_y]),
     )
-    tree = (
-        np.zeros(joints, dtype=np.int64),
-        np.zeros(joints, dtype=np.bool_),
-        np.zeros((joints, 3)),
-        np.zeros((joints, 3, 3)),
-        np.zeros((joints, 3)),
-        np.zeros((3, joints)),
-        np.zeros((joints, 3)),
-        np.zeros((joints, 3, 3)),
-        np.zeros(3),
-    )
-    if isinstance(form, PlanarChain):
-        rows = (form.zero, form.turning, form.armature, form.outboard_mass, np.zeros(joints))
-        matrices = np.ascontiguousarray(np.stack([form.coupled, form.outboard]))
-        numbers = (np.array(rows, dtype=float), matrices, form.weight, complex(form.gravity), form.gravity_y, *places)
-        return PLANAR, numbers, tree
-    assert isinstance(form, CoupledJoints)
+
+
+def _tree_numbers(form: CoupledJoints) -> tuple[Any, ...]:
+    """The numbers of the links of a tree; see `roll_tree`."""
     links = form.tree
-    numbers = (
+    return (
         np.array([link.parent for link in links], dtype=np.int64),
         np.array([link.prismatic for link in links], dtype=np.bool_),
         np.array([link.axis_J for link in links], dtype=float),
@@ -139,4 +128,3 @@ def _numbers(form: Any, joints: int) -> tuple[int, Any, Any]:
         np.array([link.inertia_J for link in links], dtype=float),
         np.asarray(form.gravity_W, dtype=float).copy(),
     )
-    return TREE, planar, numbers

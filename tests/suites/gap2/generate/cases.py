@@ -86,7 +86,7 @@ def write_case(case: CaseFiles, folder: Path) -> Path:
 def _control(number: int, turn: int) -> _Draft:
     """Nothing hidden: as believed; numbers off by a few percent; a noisy coloured sensor; another integrator."""
     rng = np.random.default_rng([SEED, number])
-    kind, scene = CONTROLS[turn % len(CONTROLS)], SCENES[(turn * 5 + turn // len(CONTROLS)) % len(SCENES)]
+    kind, scene = CONTROLS[turn % len(CONTROLS)], SCENES[turn * 5 % len(SCENES)]
     plant, recording = _moving(scene, rng)
     actual, hidden = plant, Hidden()
     if kind == "nuisance":

@@ -1,4 +1,4 @@
-"""The kernel of chains and trees: planar chains in complex numbers, other trees by recursive Newton and Euler.
+"""The kernel of trees that are no planar chain, by recursive Newton and Euler.
 
 All in one file, because the cache of compiled code looks at the file of a function alone.
 """
@@ -22,18 +22,12 @@ from sim.dynamics.compiled.inputs import (
 )
 from sim.dynamics.hooks import JointState
 
-PLANAR, TREE = 1, 2  # forms of the dynamics
 _SWEEPS = 12  # of friction impulses over the joints, as in `joint_dynamics`
 
 
 @jit
-def roll_coupled(
-    given: Inputs,
-    form: Any,
-    planar: Any,
-    tree: Any,
-) -> Any:
-    """Positions and rates (w, k, j) of chains and trees, in the given form of the dynamics."""
+def roll_tree(given: Inputs, tree: Any) -> Any:
+    """Positions and rates (w, k, j) of a tree, from parents, axes, poses and masses of its links."""
     (
         t_s, steps, typical_s, q0, qd0, inputs, drive, kp, kd, per_unit, limit, volts, dry,
         damping, laws, kinds, places, values, fresh, by_load, has_friction,
@@ -72,7 +66,7 @@ def roll_coupled(
                     trial[:] = memory
                     _kick(
                         q, qd, last, commanded, now, h, dt_s, volts[w, k], dry, damping, laws, kinds, places, values,
-                        trial, by_load, has_friction, form, planar, tree, vectors, matrices, spatial,
+                        trial, by_load, has_friction, tree, vectors, matrices, spatial,
                         rotations, ahead,
                     )  # fmt: skip
                     for j in range(joints):
@@ -80,7 +74,7 @@ def roll_coupled(
                     _command(drive, inputs, w, k, q, middle, kp, kd, per_unit, limit, commanded)
                 _kick(
                     q, qd, last, commanded, now, h, dt_s, volts[w, k], dry, damping, laws, kinds, places, values,
-                    memory, by_load, has_friction, form, planar, tree, vectors, matrices, spatial,
+                    memory, by_load, has_friction, tree, vectors, matrices, spatial,
                     rotations, after,
                 )  # fmt: skip
                 for j in range(joints):
@@ -124,8 +118,6 @@ def _kick(
     memory: Any,
     by_load: Any,
     has_friction: Any,
-    form: Any,
-    planar: Any,
     tree: Any,
     vectors: Any,
     matrices: Any,
@@ -146,7 +138,7 @@ def _kick(
             j = places[i]
             state = JointState(t_s, q[j], qd[j], effort[j], dt_s, nan, nan, nan, volts)
             effort[j] = call_law(laws[i], state, values[i], memory[i])
-    _bias(form, planar, tree, q, middle, matrices, spatial, rotations, net)
+    _bias(tree, q, middle, matrices, spatial, rotations, net)
     for j in range(joints):
         net[j] = effort[j] - net[j]
     for i in range(len(kinds)):
@@ -154,7 +146,7 @@ def _kick(
             j = places[i]
             state = JointState(t_s, q[j], qd[j], effort[j], dt_s, nan, nan, nan, volts)
             net[j] += call_law(laws[i], state, values[i], memory[i])
-    _mass(form, planar, tree, q, matrices, spatial, rotations, vectors)
+    _mass(tree, q, matrices, spatial, rotations, vectors)
     for i in range(joints):
         momentum = h * net[i]
         for j in range(joints):
@@ -167,7 +159,7 @@ def _kick(
     _solve(matrices[3], out)
     if has_friction:
         if by_load:
-            _load(form, planar, tree, q, qd, matrices, spatial, rotations, load)
+            _load(tree, q, qd, matrices, spatial, rotations, load)
         for j in range(joints):
             largest[j] = dry[j]
         for i in range(len(kinds)):
@@ -229,83 +221,35 @@ def _solve(A: Any, b: Any) -> None:
 
 
 @jit
-def _bias(form: Any, planar: Any, tree: Any, q: Any, qd: Any, matrices: Any, spatial: Any, R: Any, out: Any) -> None:
+def _bias(tree: Any, q: Any, qd: Any, matrices: Any, spatial: Any, R: Any, out: Any) -> None:
     joints = len(q)
-    if form == PLANAR:
-        rows, pairs, weight, gravity, _, at, rate2 = planar
-        angle = rate = 0.0
-        for j in range(joints):
-            angle += q[j] + rows[0, j]
-            rate += qd[j]
-            at[j] = complex(np.cos(angle), np.sin(angle))
-            rate2[j] = rate * rate
-        total = 0.0
-        for i in range(joints - 1, -1, -1):
-            pull = (np.conj(weight[i] * at[i]) * gravity).imag
-            for j in range(joints):
-                pull += (pairs[0, i, j] * np.conj(at[i]) * at[j]).imag * rate2[j]
-            total += pull
-            out[i] = -total
-    else:
-        zero, load = np.zeros(joints), np.zeros(joints)
-        _inverse_dynamics(tree, q, qd, zero, True, spatial, R, out, load)
+    zero, load = np.zeros(joints), np.zeros(joints)
+    _inverse_dynamics(tree, q, qd, zero, True, spatial, R, out, load)
 
 
 @jit
-def _load(form: Any, planar: Any, tree: Any, q: Any, qd: Any, matrices: Any, spatial: Any, R: Any, out: Any) -> None:
+def _load(tree: Any, q: Any, qd: Any, matrices: Any, spatial: Any, R: Any, out: Any) -> None:
     joints = len(q)
-    if form == PLANAR:
-        rows, pairs, _, gravity, gravity_y, at, _ = planar
-        angle = rate = 0.0
-        for j in range(joints):
-            angle += q[j] + rows[0, j]
-            rate += qd[j]
-            at[j] = complex(np.cos(angle), np.sin(angle)) * (rate * rate)
-        for i in range(joints):
-            inward = -rows[3, i] * gravity
-            for j in range(joints):
-                inward -= at[j] * pairs[1, i, j]
-            out[i] = np.sqrt(inward.real**2 + inward.imag**2 + (rows[3, i] * gravity_y) ** 2)
-    else:
-        zero, effort = np.zeros(joints), np.zeros(joints)
-        _inverse_dynamics(tree, q, qd, zero, True, spatial, R, effort, out)
+    zero, effort = np.zeros(joints), np.zeros(joints)
+    _inverse_dynamics(tree, q, qd, zero, True, spatial, R, effort, out)
 
 
 @jit
-def _mass(form: Any, planar: Any, tree: Any, q: Any, matrices: Any, spatial: Any, R: Any, vectors: Any) -> None:
+def _mass(tree: Any, q: Any, matrices: Any, spatial: Any, R: Any, vectors: Any) -> None:
     """The mass matrix into matrices[0]."""
     joints = len(q)
     M = matrices[0]
-    if form == PLANAR:
-        rows, pairs, _, _, _, at, _ = planar
-        angle = 0.0
+    zero, unit = np.zeros(joints), np.zeros(joints)
+    column, load = np.zeros(joints), np.zeros(joints)
+    for i in range(joints):
+        unit[:] = 0.0
+        unit[i] = 1.0
+        _inverse_dynamics(tree, q, zero, unit, False, spatial, R, column, load)
         for j in range(joints):
-            angle += q[j] + rows[0, j]
-            at[j] = complex(np.cos(angle), np.sin(angle))
-        for i in range(joints):
-            for j in range(joints):
-                M[i, j] = (pairs[0, i, j] * np.conj(at[i]) * at[j]).real
-            M[i, i] += rows[1, i]
-        for i in range(joints - 2, -1, -1):
-            for j in range(joints):
-                M[i, j] += M[i + 1, j]
-        for j in range(joints - 2, -1, -1):
-            for i in range(joints):
-                M[i, j] += M[i, j + 1]
-        for i in range(joints):
-            M[i, i] += rows[2, i]
-    else:
-        zero, unit = np.zeros(joints), np.zeros(joints)
-        column, load = np.zeros(joints), np.zeros(joints)
-        for i in range(joints):
-            unit[:] = 0.0
-            unit[i] = 1.0
-            _inverse_dynamics(tree, q, zero, unit, False, spatial, R, column, load)
-            for j in range(joints):
-                matrices[3][j, i] = column[j]
-        for i in range(joints):
-            for j in range(joints):
-                M[i, j] = 0.5 * (matrices[3][i, j] + matrices[3][j, i])
+            matrices[3][j, i] = column[j]
+    for i in range(joints):
+        for j in range(joints):
+            M[i, j] = 0.5 * (matrices[3][i, j] + matrices[3][j, i])
 
 
 @jit
