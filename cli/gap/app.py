@@ -37,7 +37,13 @@ def find_command(
         int, typer.Option("--jobs", min=1, help="Processes for one folder, or folders at a time; answers are the same.")
     ] = 1,
     scheduler: Scheduler = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Skip the slow baseline with all effects at once.")] = False,
+    quick: Annotated[
+        bool,
+        typer.Option(
+            "--quick",
+            help="Skip what no verdict rests on: a baseline with all effects, roll-outs in the engine.",
+        ),
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Say which effect the model lacks, how strong it is, how sure that is, and what it gains on unseen trials.
