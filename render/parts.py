@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,7 @@ from schemas.appearance.material import Material
 from schemas.arrays import IntArray
 from schemas.model import Mesh, Model
 
-_GREY = (0.72, 0.72, 0.72)
+GREY = (0.72, 0.72, 0.72)
 UNLABELLED = "unlabelled"
 _LINE_PX, _FONT_PX = 22, 14
 
@@ -27,17 +28,22 @@ def draw_parts(
     request: RenderRequest, part_of: IntArray, frame: AnnotationFrame, window: vtkRenderWindow, renderer: vtkRenderer
 ) -> Image.Image:
     """The hero view with every triangle in the colour of its label; unlabelled ones are grey; with a legend."""
-    colors = [_GREY if label.startswith(UNLABELLED) else shape_color(i) for i, label in enumerate(request.parts)]
-    for surface in surfaces(_painted(request.model, part_of, colors), frame):
+    colors = label_colors(request.parts)
+    for surface in surfaces(painted(request.model, part_of, colors), frame):
         if len(surface.points):
             renderer.AddActor(actor(surface, TextureSet(())))
     picture = take_picture(window, renderer, camera(HERO_VIEW, frame.extent), request.size_px)
     return _with_legend(picture, request.parts, colors)
 
 
-def _painted(model: Model, part_of: IntArray, colors: list[tuple[float, float, float]]) -> Model:
+def label_colors(labels: Sequence[str]) -> list[tuple[float, float, float]]:
+    """The sRGB colour of each label; grey for unlabelled ones."""
+    return [GREY if label.startswith(UNLABELLED) else shape_color(i) for i, label in enumerate(labels)]
+
+
+def painted(model: Model, part_of: IntArray, colors: list[tuple[float, float, float]]) -> Model:
     """The model cut up by label, each piece with a matte material of its colour."""
-    palette = [*colors, _GREY]
+    palette = [*colors, GREY]
     materials = tuple(
         Material(name=f"part {i}", base_color=_linear(color), roughness=0.9) for i, color in enumerate(palette)
     )

@@ -29,6 +29,7 @@ vec4 mana_texel(sampler2D image, vec2 uv, int s, int t) {
   return outside ? vec4(0.0) : texel;
 }
 """
+CLEARED = 0.7  # of the opacity that clear glass loses: it keeps a body that can be seen
 _WRAP_MODES = {"repeat": 0, "clamp": 1, "mirror": 2, "black": 3}
 
 # Tangent frame from screen-space derivatives (Schueler, "Normal mapping without precomputed tangents", ShaderX 5):
@@ -79,6 +80,7 @@ def texture_uses(material: Material) -> tuple[tuple[str, TextureUse], ...]:
         ("occlusion", material.occlusion_texture),
         ("emissive", material.emissive_texture),
         ("normal", material.normal_texture),
+        ("transmission", material.transmission_texture if material.transmission > 0.0 else None),
     )
     return tuple((name, use) for name, use in pairs if use is not None)
 
@@ -106,11 +108,12 @@ def fragment_replacements(
     body = "  emissiveColor = manaEmissive;\n"
     if "manaColor" in attributes:
         body += "  albedo *= manaColorVS.rgb;\n  opacity *= manaColorVS.a;\n"
-    body += "".join(_lookup(slot, material) for slot in slots)
+    body += "".join(_lookup(slot, material) for slot in slots if slot.input != "transmission")
     if material.alpha_mode == "mask":
         body += f"  if (opacity < {material.alpha_cutoff:.6f}) discard;\n  opacity = 1.0;\n"
     if material.alpha_mode == "opaque":
         body += "  opacity = opacityUniform;\n"
+    body += "".join(_cleared(slot, material) for slot in slots if slot.input == "transmission")
     return (
         ("//VTK::Normal::Dec", f"//VTK::Normal::Dec\n{declared}{_FUNCTIONS if slots else ''}"),
         (_BEFORE_LIGHTING, f"{body}  {_BEFORE_LIGHTING}"),
@@ -118,15 +121,33 @@ def fragment_replacements(
     )
 
 
+def _cleared(slot: TextureSlot, material: Material) -> str:
+    """The GLSL statement by which glass, where the texture has some, becomes clear; its colour is that of the base."""
+    return f"  opacity *= 1.0 - {CLEARED * material.transmission:.6f} * {_adjusted(slot)}.{_channel(slot.use)};\n"
+
+
+def _texel(slot: TextureSlot) -> str:
+    use = slot.use
+    return f"mana_texel({sampler_name(slot)}, {slot.attribute}VS, {_WRAP_MODES[use.wrap_s]}, {_WRAP_MODES[use.wrap_t]})"
+
+
+def _adjusted(slot: TextureSlot) -> str:
+    return f"({_texel(slot)} * {slot.use.scale:.6f} + {slot.use.bias:.6f})"
+
+
+def _channel(use: TextureUse) -> str:
+    return "r" if use.channel == "rgb" else use.channel
+
+
 def _lookup(slot: TextureSlot, material: Material) -> str:
     """The GLSL statements by which `slot` changes its input."""
-    use, uv = slot.use, f"{slot.attribute}VS"
-    texel = f"mana_texel({sampler_name(slot)}, {uv}, {_WRAP_MODES[use.wrap_s]}, {_WRAP_MODES[use.wrap_t]})"
+    use = slot.use
     if slot.input == "normal":
-        return _BUMP.format(sample=texel, uv=uv, normal_scale=f"{material.normal_scale:.6f}")
-    adjusted = f"({texel} * {use.scale:.6f} + {use.bias:.6f})"
+        uv = f"{slot.attribute}VS"
+        return _BUMP.format(sample=_texel(slot), uv=uv, normal_scale=f"{material.normal_scale:.6f}")
+    adjusted = _adjusted(slot)
     colour = f"{adjusted}.{'rgb' if use.channel == 'rgb' else use.channel * 3}"
-    scalar = f"{adjusted}.{'r' if use.channel == 'rgb' else use.channel}"
+    scalar = f"{adjusted}.{_channel(use)}"
     return {
         "base_color": f"  albedo *= {colour};\n",
         "opacity": f"  opacity *= {scalar};\n",

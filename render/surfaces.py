@@ -10,7 +10,14 @@ from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from render.camera import AnnotationFrame
 from render.polydata import triangle_soup
-from render.shader import TextureSlot, fragment_replacements, sampler_name, texture_uses, vertex_replacements
+from render.shader import (
+    CLEARED,
+    TextureSlot,
+    fragment_replacements,
+    sampler_name,
+    texture_uses,
+    vertex_replacements,
+)
 from render.textures import TextureSet
 from schemas.appearance.material import Material, TextureUse
 from schemas.arrays import AnyFloatArray, Float32Array
@@ -64,7 +71,7 @@ def actor(surface: ShadedSurface, textures: TextureSet) -> vtkActor:
     for old, new in fragment_replacements(material, slots, components):
         shader.AddFragmentShaderReplacement(old, old.startswith("//VTK"), new, True)
     shader.GetFragmentCustomUniforms().SetUniform3f("manaEmissive", material.emissive)
-    _set_material(result, material)
+    _set_material(result, material, slots)
     return result
 
 
@@ -79,7 +86,7 @@ def plain_actor(parts: tuple[ShadedSurface, ...], color: tuple[float, float, flo
     return result
 
 
-def _set_material(target: vtkActor, material: Material) -> None:
+def _set_material(target: vtkActor, material: Material, slots: tuple[TextureSlot, ...]) -> None:
     surface = target.GetProperty()
     surface.SetInterpolationToPBR()
     surface.SetColor(*material.base_color)
@@ -89,7 +96,8 @@ def _set_material(target: vtkActor, material: Material) -> None:
     surface.SetCoatStrength(material.clearcoat)
     surface.SetCoatRoughness(max(material.clearcoat_roughness, 0.05))
     opacity = material.opacity if material.alpha_mode != "opaque" else 1.0
-    surface.SetOpacity(opacity * (1.0 - 0.7 * material.transmission))  # Clear glass keeps a body that can be seen.
+    textured = any(slot.input == "transmission" for slot in slots)  # Then the shader clears texel by texel.
+    surface.SetOpacity(opacity if textured else opacity * (1.0 - CLEARED * material.transmission))
     if material.alpha_mode == "blend" or material.transmission > 0.0:
         target.ForceTranslucentOn()
     else:

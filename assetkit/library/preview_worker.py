@@ -1,4 +1,4 @@
-"""Entry of the preview cell: reads one file or package and renders its first object to PNGs or a GIF.
+"""Entry of the preview cell: reads one file or package and draws its first object in some modes, or a GIF.
 
 It runs in a cell because the file may be anything, and a reader may hang or crash on it.
 """
@@ -15,29 +15,11 @@ from assetkit.library.animate_joints import animate_joints
 from assetkit.library.validate import main_usd_files
 from assetkit.materials.normalize import normalize
 from assetkit.options import Options
-from assetkit.package.preview_images import render_previews
 from assetkit.sources.discover import discover
 from assetkit.stages.intake import ReadSource
 from jobs.cache import write_atomically
 from schemas.diagnostics import InvalidInput
 from schemas.model import Model
-from schemas.physics import CollisionShape
-from usdio.reread.body import reread_package
-
-
-def draw_preview(path: Path, out: Path) -> list[Path]:
-    """Render the first object of a source file, or a package with its collision shapes; returns the PNGs written.
-
-    Raises InvalidInput when the file cannot be read and FileNotFoundError when a folder holds no USD file.
-    """
-    shapes: tuple[CollisionShape, ...] = reread_package(main_file(path)).body.shapes if path.is_dir() else ()
-    model = first_model(path)
-    out.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name, data in render_previews(model, shapes, out).items():
-        written.append(out / f"{name}.png")
-        written[-1].write_bytes(data)
-    return written
 
 
 def first_model(path: Path) -> Model:
@@ -66,17 +48,20 @@ def main_file(path: Path) -> Path:
     return files[0]
 
 
-def main(path: str, out: str, note: str, *joints: str) -> None:
+def main(path: str, out: str, note: str, what: str, *rest: str) -> None:
     """Draw `path` into `out` and leave the files written, or why there are none, in `note`.
 
-    With `joints` (the number of frames, then names of joints or none) `out` is a GIF of the moving joints.
+    `what` is "joints": `rest` is the number of frames, then names of joints or none, and `out` a GIF of these; or it is
+    "modes": `rest` is the number of views, the size in pixels, then the modes.
     """
+    from assetkit.library.draw_modes import draw_modes
+
+    source = Path(path)
     try:
-        written = (
-            [animate_joints(first_model(Path(path)), Path(out), int(joints[0]), joints[1:], Path(path).name)]
-            if joints
-            else draw_preview(Path(path), Path(out))
-        )
+        if what == "joints":
+            written = [animate_joints(first_model(source), Path(out), int(rest[0]), rest[1:], source.name)]
+        else:
+            written = draw_modes(source, first_model(source), Path(out), rest[2:], int(rest[0]), int(rest[1]))
         reply = {"written": [str(p) for p in written]}
     except InvalidInput as refused:
         reply = {"refused": refused.diagnostic.model_dump(mode="json")}

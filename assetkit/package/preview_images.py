@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
@@ -18,6 +19,7 @@ from jobs.cell import Limits
 from jobs.warm import run_module
 from render.camera import STANDARD_VIEWS
 from render.drawn_grasp import DrawnGrasp
+from render.modes.request import ModeRequest
 from render.motion_request import MotionRequest
 from render.request import RenderRequest
 from schemas.arrays import FloatArray, IntArray
@@ -50,9 +52,16 @@ def render_previews(
     """
     work_dir.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work_dir) as place:
-        legend, part_of = _shown(model, parts)
+        legend, part_of = shown_parts(model, parts)
         request = RenderRequest(model, shapes, place, grasps=grasps, parts=legend, part_of=part_of, joints=joints)
         return {p.stem: p.read_bytes() for p in _drawn(request, RenderRequest, "render", Path(place))}
+
+
+def render_mode(request: ModeRequest) -> list[Path]:
+    """The pictures that a request of a mode asks for, in its folder. Raises as `render_previews`."""
+    with tempfile.TemporaryDirectory(dir=request.out_dir) as place:
+        drawn = _drawn(replace(request, out_dir=place), ModeRequest, "render.modes", Path(place))
+        return [picture.replace(Path(request.out_dir) / picture.name) for picture in drawn]
 
 
 def render_views(
@@ -103,7 +112,7 @@ def _drawn(request: T, kind: type[T], module: str, place: Path) -> list[Path]:
     return sorted(place.glob("*.png"))
 
 
-def _shown(model: Model, parts: Sequence[Part]) -> tuple[tuple[str, ...], IntArray]:
+def shown_parts(model: Model, parts: Sequence[Part]) -> tuple[tuple[str, ...], IntArray]:
     """A legend line per label, most confident first, and the line of each triangle (m,): that of its smallest part."""
     sure = {p.label.value: max(q.label.confidence for q in parts if q.label.value == p.label.value) for p in parts}
     order = sorted(sure, key=lambda label: (-sure[label], label))

@@ -7,14 +7,15 @@ The request: `file` (.glb, .gltf or .usd*), `X_AB` (the asset frame from that in
 distance), `out` (a folder). Written: NAME.png in sRGB; its alpha is that of the object, glass is opaque in it.
 """
 
+import importlib
 import json
 import math
 import os
 import sys
 from pathlib import Path
 
-import bpy
-from mathutils import Matrix, Vector
+bpy = importlib.import_module("bpy")
+mathutils = importlib.import_module("mathutils")
 
 # Light from around, grey at the horizon and brighter above, and three lamps: reflections have something to show.
 LOW, HIGH = (0.12, 0.12, 0.13, 1.0), (0.55, 0.55, 0.55, 1.0)
@@ -38,7 +39,7 @@ def imported(file, X_AB):
     for thing in list(bpy.context.scene.objects):
         if thing.parent is None and thing is not frame:
             thing.parent = frame
-    frame.matrix_world = Matrix(X_AB)
+    frame.matrix_world = mathutils.Matrix(X_AB)
     bpy.context.view_layer.update()
 
 
@@ -65,8 +66,10 @@ def light(radius_m):
         data.size, data.energy = 0.8 * radius_m, share * LAMP_W_PER_M2 * radius_m**2
         lamp = bpy.data.objects.new(name, data)
         a, e = math.radians(azimuth), math.radians(elevation)
-        towards = Vector((math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)))
-        lamp.matrix_world = Matrix.Translation(radius_m * towards) @ towards.to_track_quat("Z", "Y").to_matrix().to_4x4()
+        towards = mathutils.Vector((math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)))
+        lamp.matrix_world = (
+            mathutils.Matrix.Translation(radius_m * towards) @ towards.to_track_quat("Z", "Y").to_matrix().to_4x4()
+        )
         bpy.context.scene.collection.objects.link(lamp)
 
 
@@ -98,7 +101,7 @@ def draw(request):
     scene.collection.objects.link(eye)
     scene.camera = eye
     for name, X_AC in request["cameras"].items():
-        eye.matrix_world = Matrix(X_AC)
+        eye.matrix_world = mathutils.Matrix(X_AC)
         scene.render.filepath = str(Path(request["out"]) / f"{name}.png")
         bpy.ops.render.render(write_still=True)
 

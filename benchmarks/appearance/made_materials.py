@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import json
 import struct
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,26 +23,8 @@ _CHECKS = 8
 _ARRAY_BUFFER_FLOAT, _UNSIGNED_INT = 5126, 5125
 _GLTF, _JSON, _BIN = 0x46546C67, 0x4E4F534A, 0x004E4942
 
-# By name: the material, and whether it is glass or has a coat, which are judged apart.
-MATERIALS: dict[str, dict[str, Any]] = {
-    "made_painted": {"pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.1, 0.08, 1], "metallicFactor": 0.0, "roughnessFactor": 0.45}},
-    "made_brushed_metal": {"pbrMetallicRoughness": {"baseColorFactor": [0.7, 0.6, 0.4, 1], "metallicFactor": 1.0, "roughnessFactor": 0.35}},
-    "made_mirror": {"pbrMetallicRoughness": {"baseColorFactor": [0.9, 0.9, 0.9, 1], "metallicFactor": 1.0, "roughnessFactor": 0.05}},
-    "made_checks": {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0.0, "roughnessFactor": 0.6}},
-    "made_orm": {"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.55, 1], "metallicRoughnessTexture": {"index": 1}}},
-    "made_bumps": {"pbrMetallicRoughness": {"baseColorFactor": [0.3, 0.4, 0.6, 1], "metallicFactor": 0.0, "roughnessFactor": 0.4}, "normalTexture": {"index": 2}},
-    "made_weak_bumps": {"pbrMetallicRoughness": {"baseColorFactor": [0.3, 0.6, 0.4, 1], "metallicFactor": 0.0, "roughnessFactor": 0.4}, "normalTexture": {"index": 2, "scale": 0.4}},
-    "made_transformed": {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"offset": [0.1, 0.2], "rotation": 0.5, "scale": [2.0, 3.0]}}}, "metallicFactor": 0.0, "roughnessFactor": 0.6}},
-    "made_glow": {"pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.1, 0.1, 1], "metallicFactor": 0.0}, "emissiveFactor": [0.3, 0.15, 0.0], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2.0}}},
-    "made_specular": {"pbrMetallicRoughness": {"baseColorFactor": [0.2, 0.2, 0.25, 1], "metallicFactor": 0.0, "roughnessFactor": 0.2}, "extensions": {"KHR_materials_specular": {"specularFactor": 0.3}, "KHR_materials_ior": {"ior": 1.8}}},
-    "made_sheen": {"pbrMetallicRoughness": {"baseColorFactor": [0.15, 0.05, 0.2, 1], "metallicFactor": 0.0, "roughnessFactor": 0.8}, "extensions": {"KHR_materials_sheen": {"sheenColorFactor": [0.8, 0.5, 0.9], "sheenRoughnessFactor": 0.4}}},
-    "made_anisotropic": {"pbrMetallicRoughness": {"baseColorFactor": [0.7, 0.7, 0.72, 1], "metallicFactor": 1.0, "roughnessFactor": 0.4}, "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.8}}},
-    "made_iridescent": {"pbrMetallicRoughness": {"baseColorFactor": [0.3, 0.3, 0.3, 1], "metallicFactor": 1.0, "roughnessFactor": 0.2}, "extensions": {"KHR_materials_iridescence": {"iridescenceFactor": 1.0}}},
-    "made_cutout": {"pbrMetallicRoughness": {"baseColorTexture": {"index": 3}, "metallicFactor": 0.0, "roughnessFactor": 0.7}, "alphaMode": "MASK", "doubleSided": True},
-    "made_coat": {"pbrMetallicRoughness": {"baseColorFactor": [0.05, 0.1, 0.4, 1], "metallicFactor": 0.0, "roughnessFactor": 0.6}, "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1.0, "clearcoatRoughnessFactor": 0.05}}},
-    "made_glass": {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_volume": {"thicknessFactor": 0.2, "attenuationColor": [0.6, 0.9, 0.7], "attenuationDistance": 0.2}}},
-}  # fmt: skip
-APART = frozenset({"made_coat", "made_glass"})
+# By name: the material, and `apart` whether it is glass or has a coat, which are judged apart.
+MADE: dict[str, dict[str, Any]] = json.loads(Path(__file__).with_suffix(".json").read_text())
 
 
 def made_glb(name: str) -> bytes:
@@ -56,7 +39,7 @@ def made_glb(name: str) -> bytes:
         views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(raw)})
         data += raw
     data += bytes(-len(data) % 4)
-    material = MATERIALS[name]
+    material = MADE[name]["material"]
     text = json.dumps(material)
     used = sorted({word for word in text.split('"') if word.startswith("KHR_")})
     document = {
@@ -98,7 +81,7 @@ def _ball() -> tuple[Any, Any, Any, Any]:
     points = RADIUS_M * (normals + np.array([0.0, 1.0, 0.0]))
     at = np.arange((RINGS + 1) * (SEGMENTS + 1)).reshape(RINGS + 1, SEGMENTS + 1)
     a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
-    lower = np.stack([a, b, c], axis=1)[: -SEGMENTS]
+    lower = np.stack([a, b, c], axis=1)[:-SEGMENTS]
     triangles = np.concatenate([lower, np.stack([a, c, d], axis=1)[SEGMENTS:]])
     uv = np.stack([u.ravel(), v.ravel()], axis=1)
     return points.astype("<f4"), normals.astype("<f4"), uv.astype("<f4"), triangles.astype("<u4")
@@ -135,10 +118,11 @@ def _bumps() -> bytes:
     waves = 2.0 * np.pi * _CHECKS
     x, y = 0.5 * np.cos(waves * u), -0.5 * np.cos(waves * v)
     normal = np.stack([-x, y, np.ones_like(x)], axis=2)
-    return _png(0.5 + 0.5 * normal / np.linalg.norm(normal, axis=2, keepdims=True))
+    return _png(0.5 + 0.5 * normal / np.sqrt((normal**2).sum(axis=2, keepdims=True)))
 
 
 def _holes() -> bytes:
     u, v = _grid()
     solid = ((_CHECKS * u) % 1.0 - 0.5) ** 2 + ((_CHECKS * v) % 1.0 - 0.5) ** 2 > 0.09
-    return _png(np.stack([0.7 * np.ones_like(u), 0.5 * np.ones_like(u), 0.2 + 0.3 * u, solid * 1.0], axis=2))
+    flat = np.ones_like(u)
+    return _png(np.stack([0.7 * flat, 0.5 * flat, 0.2 + 0.3 * u, np.where(solid, flat, 0.0)], axis=2))

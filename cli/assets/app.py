@@ -26,6 +26,7 @@ from cli.assets.generate import generate_command
 from cli.assets.listing import list_command, stats_command
 from cli.assets.program import program_stated
 from cli.assets.progress import shown_progress
+from cli.assets.render import render_command
 from cli.assets.review import review_command
 from cli.assets.search import search_command
 from cli.assets.synthesize import synthesize_command
@@ -187,6 +188,7 @@ app.command("generate")(generate_command)
 app.command("synthesize")(synthesize_command)
 app.command("search")(search_command)
 app.command("review")(review_command)
+app.command("render")(render_command)
 
 
 @app.command("show")
@@ -244,47 +246,6 @@ def validate_command(
     if as_json:
         print(json.dumps(results, indent=1))
     raise typer.Exit(1 if failed else 0)
-
-
-@app.command("render")
-def render_command(
-    path: Annotated[Path, typer.Argument(help="A source file or a package.", exists=True)],
-    out: Annotated[Path, typer.Option("--out", help="Folder of the pictures; with --joints perhaps a .gif.")] = Path(
-        "pictures"
-    ),
-    joints: Annotated[
-        bool, typer.Option("--joints", help="A GIF of the moving joints instead: joints.gif, or the file of --out.")
-    ] = False,
-    joint: Annotated[
-        list[str] | None, typer.Option("--joint", help="With --joints: move this one only. May be repeated.")
-    ] = None,
-    frames: Annotated[
-        int, typer.Option("--frames", min=2, max=240, help="With --joints: pictures from one end to the other.")
-    ] = 24,
-    as_json: AsJson = False,
-) -> None:
-    """Render four standard views, a thumbnail and, for a package, its collision shapes; or a GIF of moving joints.
-
-    Joints move from the limit nearer to the rest state to the other one and back, all together unless --joint names
-    some; joints without limits make one turn, joints that follow others move with these. A rigid object is refused
-    (asset/missing-joint).
-
-    Examples: `mana assets render library/mug --out pictures`, `mana assets render library/microwave --joints --out
-    door.gif`, `mana assets render library/cabinet --joints --joint top_drawer --frames 40`
-    """
-    from assetkit.library.previews import animation, picture
-
-    if joints:
-        gif = out if out.suffix.lower() == ".gif" else out / "joints.gif"
-        written = [animation(path, gif, frames=frames, joints=joint or ())]
-    elif joint:
-        raise typer.BadParameter("needs --joints", param_hint="--joint")
-    else:
-        written = picture(path, out)
-    if as_json:
-        print(json.dumps([str(p) for p in written]))
-    else:
-        text.console.print("\n".join(str(p) for p in written), soft_wrap=True)
 
 
 def _evidence_rows(record: dict) -> list[dict[str, object]]:
