@@ -15,7 +15,7 @@ from schemas.files.references import tile_references
 from schemas.outcome import INTAKE, Repair
 from usdio.read.layer_guard import PinnedLayers
 from usdio.read.pbr import Color, MaterialConversion, layer_sources, with_layers_of
-from usdio.read.shader_dialects import PREVIEW, ShaderDialect, dialect_of, is_known
+from usdio.read.shader_dialects import DIALECTS, PREVIEW, ShaderDialect, dialect_of, is_known
 from usdio.read.shader_graph import (
     EARLIEST,
     ImageSource,
@@ -217,14 +217,16 @@ def surface_shader(material: UsdShade.Material) -> UsdShade.Shader | None:
 
 
 def _other_surfaces(material: UsdShade.Material, first: UsdShade.Shader) -> list[UsdShade.Shader]:
-    """The surfaces of other render contexts that a known dialect has, in the order of their outputs."""
+    """The surfaces of other render contexts that a known dialect has, MaterialX before MDL: OmniGlass has no texture of
+    its transmission, which would be lost.
+    """
     surfaces: list[UsdShade.Shader] = []
     for output in sorted(material.GetSurfaceOutputs(), key=lambda o: o.GetFullName()):
         node = source_node(output)
         shader = node[0] if node else None
         if shader and shader.GetPath() != first.GetPath() and is_known(shader_identifier(shader)):
             surfaces.append(shader)
-    return surfaces
+    return sorted(surfaces, key=lambda s: DIALECTS.index(dialect_of(shader_identifier(s), ())))
 
 
 def reads_display_color(material: UsdShade.Material) -> bool:

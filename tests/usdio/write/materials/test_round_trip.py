@@ -17,6 +17,7 @@ from tests.support.appearance.random_materials import IMAGES, color, half, unit
 from tests.support.usd_files import QUAD, material_of, write
 from usdio.write.materials.mesh_materials import MeshMaterial
 from usdio.write.materials.network import Network, TextureFiles
+from usdio.write.materials.omni_glass import OMNI_GLASS
 from usdio.write.materials.omni_pbr import OMNI_PBR
 from usdio.write.materials.open_pbr import OPEN_PBR
 from usdio.write.materials.output import ShaderOutput
@@ -162,3 +163,13 @@ def test_layers_that_the_preview_lacks_come_from_the_other_surface(
         assert got.specular.weight == pytest.approx(visible.specular.weight, abs=1e-5)
     if visible.transmission > 0.0:
         assert "open_pbr" in got.origins["transmission"].method
+
+
+def test_textured_glass_is_read_from_the_surface_that_has_the_texture(tmp_path: Path) -> None:
+    """As packages write it: OmniGlass, which is glass throughout, stands before OpenPBR among the outputs."""
+    label = TextureUse("packed", channel="r")
+    glass = Material("m", base_color=(0.2, 0.9, 0.4), transmission=1.0, transmission_texture=label, roughness=0.1)
+    path = authored(tmp_path, (PREVIEW_SURFACE, OPEN_PBR, OMNI_GLASS), glass)
+    got = material_of(path)
+    assert_same(got, effective(glass), ("transmission", "transmission_texture", "opacity"))
+    assert "open_pbr" in got.origins["transmission"].method
