@@ -18,13 +18,16 @@ from schemas.parts import Part
 from schemas.physics import CollisionShape, MassProperties
 from usdio.reread.body import RereadPackage, reread_package
 
+_OF_PHYSICS = frozenset({"collision", "physics"})  # modes that show what a simulator reads
+
 
 def draw_modes(path: Path, model: Model, out: Path, modes: Sequence[str], views: int, size_px: int) -> list[Path]:
     """Draws a canonical model in each mode, as many views of it, and the sheets; returns the PNGs written.
 
     `path` is the source file, or the package, whose colliders, masses, parts and record are shown.
     """
-    content = reread_package(main_usd_files(path)[0]) if path.is_dir() else None
+    needed = path.is_dir() and not _OF_PHYSICS.isdisjoint(modes)
+    content = reread_package(main_usd_files(path)[0]) if needed else None
     record = read_record(path) if path.is_dir() and (path / RECORD).is_file() else None
     parts = _fitting(model, () if record is None else [part.value for part in record.parts])
     legend, part_of = shown_parts(model, parts) if parts else ((), None)

@@ -48,7 +48,7 @@ class AcceptPackage(Stage):
     """Judges the bytes that are shipped, never the values in memory."""
 
     name = "acceptance"
-    version = 12
+    version = 13
     result = Acceptance
     reads = (Canonical, Appearance, Semantics, Interaction, Physics, Previews)
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from schemas.arrays import AnyFloatArray, FloatArray
 
 DIELECTRIC_F0 = 0.04  # reflectance of common dielectrics (index 1.5) at normal incidence
+_MOST_REFLECTANCE = 0.25  # an index of 3: no dielectric reflects more
 _BRIGHTNESS = np.array([0.299, 0.587, 0.114])
 
 
@@ -30,6 +33,17 @@ def metallic_from_specular(diffuse: FloatArray, specular: FloatArray) -> tuple[F
     metal = (specular - a * (1.0 - rest)) / np.maximum(rest, 1e-6)
     blend = rest * rest
     return np.clip(paint * (1.0 - blend) + metal * blend, 0.0, 1.0), metallic
+
+
+def ior_of_reflectance(reflectance: float) -> float:
+    """The index of refraction, at least 1, of a surface that reflects this share at normal incidence (Fresnel)."""
+    root = math.sqrt(min(max(reflectance, 0.0), _MOST_REFLECTANCE))
+    return (1.0 + root) / (1.0 - root)
+
+
+def reflectance_of_ior(ior: float) -> float:
+    """The share that a surface of this index of refraction reflects at normal incidence (Fresnel)."""
+    return ((ior - 1.0) / (ior + 1.0)) ** 2
 
 
 def srgb_to_linear(values: AnyFloatArray) -> FloatArray:

@@ -351,7 +351,7 @@ def layer_sources(
 ) -> tuple[dict[str, InputSource], dict[str, str]]:
     """The sources and authored inputs of layers that UsdPreviewSurface lacks; of opacity only beside transmission."""
     clear = {"transmission"} & sources.keys()
-    fields = (*_BEYOND_PREVIEW, *(_CLEAR if clear else ()))
+    fields = (*_BEYOND_PREVIEW, "ior", *(_CLEAR if clear else ()))
     quantities = {q for field, of_field in _QUANTITIES.items() if field.partition(".")[0] in fields for q in of_field}
     return (
         {name: source for name, source in sources.items() if name.removesuffix("_map") in quantities},
@@ -362,12 +362,15 @@ def layer_sources(
 def with_layers_of(material: Material, other: Material) -> Material:
     """`material` with the layers that it lacks and `other`, a surface of the same material, has, and their origins.
 
-    Transmitted light is taken together with opacity: a surface without transmission shows glass as opacity.
+    Transmitted light is taken together with opacity: a surface without transmission shows glass as opacity. The weight
+    of specular light is taken with its index of refraction: a surface without weights puts both into one index.
     """
     changes: dict[str, Any] = {}
     for field in _BEYOND_PREVIEW:
         if not getattr(material, field) and getattr(other, field):
             changes[field] = getattr(other, field)
+    if "specular" in changes:
+        changes["ior"] = other.ior
     if material.transmission == 0.0 and other.transmission > 0.0:
         changes |= {field: getattr(other, field) for field in (*_CLEAR, "alpha_mode")}
     origins = {field: origin for field, origin in other.origins.items() if field.partition(".")[0] in changes}

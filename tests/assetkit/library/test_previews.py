@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from assetkit.library.previews import picture
+from assetkit.library.previews import pictures
 from jobs.cell import Limits
 from schemas.diagnostics import InvalidInput
 from tests.support.bad_inputs.assets import CUBE, obj_text
@@ -12,14 +12,14 @@ from tests.support.bad_inputs.assets import CUBE, obj_text
 
 def refusal(path: Path, out: Path, limits: Limits | None = None) -> str:
     with pytest.raises(InvalidInput) as caught:
-        picture(path, out, **({"limits": limits} if limits else {}))
+        pictures(path, out, ("beauty",), **({"limits": limits} if limits else {}))
     return caught.value.diagnostic.code
 
 
 def test_a_readable_file_is_drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     Path("part.obj").write_text(obj_text(CUBE))
-    written = picture(Path("part.obj"), Path("out"))
+    written = pictures(Path("part.obj"), Path("out"), ("beauty", "wire"))
     assert written
     assert all(p.read_bytes().startswith(b"\x89PNG") for p in written)
 
@@ -36,4 +36,4 @@ def test_a_file_that_takes_its_reader_down_does_no_more_than_that(tmp_path: Path
 
 def test_a_folder_without_usd_is_the_users_mistake(tmp_path: Path):
     with pytest.raises(FileNotFoundError):
-        picture(tmp_path, tmp_path)
+        pictures(tmp_path, tmp_path, ("beauty",))

@@ -11,7 +11,8 @@ from typing import Final
 
 from pxr import Gf, Sdf, UsdShade
 
-from schemas.appearance.material import Texture, TextureUse
+from schemas.appearance.conversions import ior_of_reflectance, reflectance_of_ior
+from schemas.appearance.material import Material, Texture, TextureUse
 from schemas.appearance.optics import unlike_plain
 from usdio.write.materials.mesh_materials import MeshMaterial, uv_primvar
 from usdio.write.materials.network import IDENTITY_UV, Network
@@ -55,6 +56,17 @@ def _author(network: Network, mesh_material: MeshMaterial) -> None:
     _Surface(network, mesh_material).author()
 
 
+def _shown_ior(material: Material) -> float:
+    """The index that reflects at once what the material's own reflects, times its weight of specular light.
+
+    KHR_materials_specular scales the reflectance of the index; UsdPreviewSurface has no weight. Textures of the weight
+    and its tint are lost.
+    """
+    if material.specular is None or material.specular.weight_texture is not None:
+        return material.ior
+    return ior_of_reflectance(material.specular.weight * reflectance_of_ior(material.ior))
+
+
 class _Surface:
     """The shader network of one material while it is being authored."""
 
@@ -76,7 +88,7 @@ class _Surface:
         self._scalar("metallic", source.metallic, source.metallic_texture)
         self._scalar("roughness", source.roughness, source.roughness_texture)
         self._color("emissiveColor", source.emissive, source.emissive_texture)
-        self._input("ior", Sdf.ValueTypeNames.Float, source.ior)
+        self._input("ior", Sdf.ValueTypeNames.Float, _shown_ior(source))
         self._scalar("clearcoat", source.clearcoat, source.clearcoat_texture)
         self._scalar("clearcoatRoughness", source.clearcoat_roughness, source.clearcoat_roughness_texture)
         if source.occlusion_texture is not None:

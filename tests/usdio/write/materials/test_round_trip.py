@@ -161,6 +161,7 @@ def test_layers_that_the_preview_lacks_come_from_the_other_surface(
     if visible.specular is not None and visible.specular.weight > 0.0:
         assert got.specular is not None
         assert got.specular.weight == pytest.approx(visible.specular.weight, abs=1e-5)
+        assert got.ior == pytest.approx(visible.ior, abs=1e-5)
     if visible.transmission > 0.0:
         assert "open_pbr" in got.origins["transmission"].method
 
@@ -173,3 +174,15 @@ def test_textured_glass_is_read_from_the_surface_that_has_the_texture(tmp_path: 
     got = material_of(path)
     assert_same(got, effective(glass), ("transmission", "transmission_texture", "opacity"))
     assert "open_pbr" in got.origins["transmission"].method
+
+
+@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.floats(0.0, 1.0), st.floats(1.0, 2.4))
+def test_the_preview_reflects_what_weight_and_index_reflect_together(
+    tmp_path: Path, weight: float, index: float
+) -> None:
+    """Straight on, by Fresnel's formula, written out here once more."""
+    got = round_trip(tmp_path, PREVIEW_SURFACE, Material("m", ior=index, specular=Specular(weight)))
+    assert ((got.ior - 1.0) / (got.ior + 1.0)) ** 2 == pytest.approx(
+        weight * ((index - 1.0) / (index + 1.0)) ** 2, abs=1e-6
+    )

@@ -1,0 +1,1 @@
+"""Tests of the modes in which objects are drawn."""
