@@ -56,6 +56,7 @@ def demo(
     from cli.demo.scene import scene_demo
     from cli.demo.scene import show as show_scene
     from cli.demo.search import search_demo
+    from cli.demo.sheets import sheets_demo
 
     data = data_folder()
     meshes = [data / name for name in OBJECTS if (data / name).is_file()]
@@ -70,6 +71,9 @@ def demo(
     verdicts = {file: validate_file(file) for file in main_usd_files(library)}
     first = next((p for item in report.items for p in item.packages), None)
     spoiled = spoil_package(library / first) if first else ()
+    packages = tuple(name for item in report.items for name in item.packages)
+    with text.console.status("drawing sheets") if not as_json else nullcontext():
+        sheets = sheets_demo(library, packages, out)
     with text.console.status("compiling a scene") if not as_json else nullcontext():
         scene = scene_demo(library, out)
     with text.console.status("opening drawers") if not as_json else nullcontext():
@@ -80,7 +84,9 @@ def demo(
         replay = replay_demo(library, data / "franka_panda", out)
     with text.console.status("naming a hidden effect") if not as_json else nullcontext():
         gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
-    page = write_page(report, verdicts, spoiled, search_demo(library), scene, mechanism, accepted, replay, gap, out)
+    page = write_page(
+        report, verdicts, spoiled, sheets, search_demo(library), scene, mechanism, accepted, replay, gap, out
+    )
     if as_json:
         print(read_report(library).model_dump_json(indent=1))
     else:

@@ -16,6 +16,7 @@ from cli.demo.mechanism import MechanismDemo
 from cli.demo.replay import ReplayDemo
 from cli.demo.scene import SceneDemo
 from cli.demo.search import SearchDemo
+from cli.demo.sheets import SheetsDemo
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, Severity
@@ -33,6 +34,7 @@ def write_page(
     report: FinishedBatch,
     verdicts: dict[Path, tuple[Diagnostic, ...]],
     spoiled: tuple[Spoiled, ...],
+    sheets: SheetsDemo | None,
     searches: tuple[SearchDemo, ...],
     scene: SceneDemo | None,
     mechanism: MechanismDemo | None,
@@ -55,6 +57,7 @@ def write_page(
         grasped=_grasped(cards),
         refused=refused,
         spoiled=spoiled,
+        sheets=sheets,
         searches=searches,
         scene=scene,
         mechanism=mechanism,
