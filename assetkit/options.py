@@ -68,6 +68,11 @@ class Options(BaseModel):
     decisions: tuple[Decision, ...] = Field(default=(), description="of people about this very source, oldest first")
     outdated: tuple[Decision, ...] = Field(default=(), description="about its earlier content; told, never used")
 
+    @property
+    def calls_a_model(self) -> bool:
+        """Whether a program or address of the user's is called, which may need the network."""
+        return self.endpoint is not None or self.segmenter is not None
+
     def of_object(self, number: int) -> Options:
         """The options of one object of the source, or of the whole file with number 0: a person's decision about it
         replaces the options of the batch, and a later decision an earlier one.

@@ -16,6 +16,7 @@ from assetkit.options import Options
 from assetkit.pipeline import process_source
 from assetkit.storage import finding_from_exception
 from jobs.cell import peak_memory_mb
+from jobs.network import leave_network
 from sim.named_engine import load_engine
 
 
@@ -23,11 +24,13 @@ def main(request_file: str) -> None:
     """Process the source named by the request and write its result where the request says."""
     request = json.loads(Path(request_file).read_text())
     candidate = candidate_of(request)
-    out = Path(request["out"])
+    out, options = Path(request["out"]), Options.model_validate(request["options"])
+    if not options.calls_a_model:
+        leave_network()  # Before anything of the source is read. Where the system forbids it, limits are what is left.
     with load_engine(request["engine"])() as simulator:
         item = process_source(
             candidate,
-            options=Options.model_validate(request["options"]),
+            options=options,
             simulator=simulator,
             out=out,
             work_dir=Path(request["work_dir"]),

@@ -18,6 +18,7 @@ from assetkit.options import Options
 from assetkit.sources.discover import discover
 from assetkit.stages.intake import ReadSource
 from jobs.cache import write_atomically
+from jobs.network import leave_network
 from schemas.diagnostics import InvalidInput
 from schemas.model import Model
 
@@ -56,6 +57,7 @@ def main(path: str, out: str, note: str, what: str, *rest: str) -> None:
     """
     from assetkit.library.draw_modes import draw_modes
 
+    leave_network()
     source = Path(path)
     try:
         if what == "joints":
