@@ -12,6 +12,7 @@ from assetkit.library.validate import main_usd_files
 from assetkit.package.preview_images import render_mode, shown_parts
 from assetkit.package.record import RECORD, read_record
 from render.modes.request import DrawnMass, Mode, ModeRequest, views_around
+from render.modes.sheet import plain_number
 from schemas.asset import AssetRecord
 from schemas.model import Model
 from schemas.parts import Part
@@ -70,15 +71,16 @@ def _mass(name: str, mass: MassProperties, origin: np.ndarray) -> DrawnMass:
 def _facts(model: Model, record: AssetRecord | None) -> tuple[str, ...]:
     """Lines below the title: size and triangles; of a package also outcome, mass and contact with their evidence."""
     points = np.concatenate([mesh.points for mesh in model.meshes])
-    size_cm = " x ".join(f"{100.0 * edge:.3g}" for edge in np.ptp(points, axis=0))
-    first = f"{size_cm} cm, {model.triangle_count:,} triangles, {len(model.materials)} materials"
+    size_cm = " x ".join(plain_number(100.0 * float(edge)) for edge in np.ptp(points, axis=0))
+    materials = f"{len(model.materials)} material{'' if len(model.materials) == 1 else 's'}"
+    first = f"{size_cm} cm, {model.triangle_count:,} triangles, {materials}"
     if record is None:
         return (first,)
     roles = ", ".join(role.value for role in record.semantics.roles)
     mass, material = record.physics.mass_kg, record.physics.material
     lines = [f"{first}; {record.outcome}; {record.semantics.category.value}{f' ({roles})' if roles else ''}"]
     if mass.value is not None:
-        lines.append(f"mass {mass.value:.3g} kg ({mass.source}, {100 * mass.confidence:.0f} % sure)")
+        lines.append(f"mass {plain_number(mass.value)} kg ({mass.source}, {100 * mass.confidence:.0f} % sure)")
     for contact in record.physics.contacts[:1]:
         value = contact.value
         friction = f"friction {value.static_friction:.2g} static, {value.dynamic_friction:.2g} dynamic"

@@ -58,7 +58,7 @@ def render_previews(
 
 
 def render_mode(request: ModeRequest) -> list[Path]:
-    """The pictures that a request of a mode asks for, in its folder. Raises as `render_previews`."""
+    """Draws a request of a mode; the pictures in its folder. Raises as `render_previews`."""
     with tempfile.TemporaryDirectory(dir=request.out_dir) as place:
         drawn = _drawn(replace(request, out_dir=place), ModeRequest, "render.modes", Path(place))
         return [picture.replace(Path(request.out_dir) / picture.name) for picture in drawn]

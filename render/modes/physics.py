@@ -15,20 +15,20 @@ from geom.mesh.primitives import sphere
 from render.camera import AnnotationFrame
 from render.modes.collision import FAINT
 from render.modes.request import DrawnMass, ModeRequest
-from render.modes.sheet import Legend
+from render.modes.sheet import Legend, plain_number
 from render.modes.wire import line_actor
 from render.surfaces import ShadedSurface, actor, plain_actor
 from render.textures import TextureSet
 from schemas.appearance.material import Material
 from schemas.arrays import FloatArray
 
-_OPACITY = 0.35  # of the body
+_BODY_OPACITY = 0.35  # of the body
 _CENTRE = (0.85, 0.08, 0.05)
 _BOX = (0.1, 0.25, 0.6)
 _AXES = ((0.8, 0.15, 0.1), (0.1, 0.55, 0.15), (0.1, 0.3, 0.85))  # as most viewers colour x, y, z
 _BALL = 0.018  # radius, in units of the largest edge of the object
 _AXIS, _BALL_SEGMENTS = 0.22, 24  # half length of an axis, in the same unit
-_LINE_PX = 3.0
+_AXIS_PX = 3.0
 
 
 def physics(
@@ -41,10 +41,10 @@ def physics(
         centre = frame.from_asset(mass.centre_m[None])[0]
         actors.append(_ball(centre))
         box = inertia_box_m(mass)
-        actors.append(line_actor(_box_edges(centre, mass.R_AP, box / frame.unit_m), _BOX, _LINE_PX))
+        actors.append(line_actor(_box_edges(centre, mass.R_AP, box / frame.unit_m), _BOX, _AXIS_PX))
         for axis, color in enumerate(_AXES):
             reach = _AXIS * mass.R_AP[:, axis]
-            actors.append(line_actor(np.stack([centre - reach, centre + reach])[None], color, _LINE_PX))
+            actors.append(line_actor(np.stack([centre - reach, centre + reach])[None], color, _AXIS_PX))
         legend.append((_CENTRE, _figures(mass)))
     if request.masses:
         legend.append(
@@ -62,7 +62,7 @@ def inertia_box_m(mass: DrawnMass) -> FloatArray:
 def _figures(mass: DrawnMass) -> str:
     centre = ", ".join(f"{1000.0 * c:.1f}" for c in mass.centre_m)
     moments = ", ".join(f"{m:.2e}" for m in mass.moments_kgm2)
-    return f"{mass.name}: {mass.mass_kg:.3g} kg, centre ({centre}) mm, moments ({moments}) kg m2"
+    return f"{mass.name}: {plain_number(mass.mass_kg)} kg, centre ({centre}) mm, moments ({moments}) kg m2"
 
 
 def _box_edges(centre: FloatArray, R_NP: FloatArray, edges: FloatArray) -> FloatArray:
@@ -82,7 +82,7 @@ def _ball(centre: FloatArray) -> vtkActor:
 
 def _translucent(parts: tuple[ShadedSurface, ...]) -> vtkActor:
     body = plain_actor(parts, FAINT)
-    body.GetProperty().SetOpacity(_OPACITY)
+    body.GetProperty().SetOpacity(_BODY_OPACITY)
     body.ForceOpaqueOff()
     body.ForceTranslucentOn()
     return body

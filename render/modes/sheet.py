@@ -12,7 +12,7 @@ _PAPER, _INK, _PALE = (255, 255, 255), (28, 32, 40), (110, 116, 126)
 _MOST_COLUMNS = 4
 _GAP_SHARE, _TEXT_SHARE, _TITLE_SHARE = 0.03, 0.032, 0.05  # of the edge of a picture
 _LEAST_FONT_PX = 11
-_LINE = 1.4  # heights of a letter from line to line
+_LINE_HEIGHT = 1.4  # heights of a letter from line to line
 
 
 def contact_sheet(pictures: Mapping[str, Image.Image], title: str, facts: Sequence[str], legend: Legend) -> Image.Image:
@@ -22,7 +22,7 @@ def contact_sheet(pictures: Mapping[str, Image.Image], title: str, facts: Sequen
     rows = math.ceil(len(pictures) / columns)
     gap, text_px = round(_GAP_SHARE * edge), max(round(_TEXT_SHARE * edge), _LEAST_FONT_PX)
     title_px = max(round(_TITLE_SHARE * edge), _LEAST_FONT_PX)
-    line, title_line = round(_LINE * text_px), round(_LINE * title_px)
+    line, title_line = round(_LINE_HEIGHT * text_px), round(_LINE_HEIGHT * title_px)
     head = gap + (title_line if title else 0) + line * len(facts)
     width, below = gap + columns * (edge + gap), line * len(legend) + (gap if legend else 0)
     sheet = Image.new("RGB", (width, head + gap + rows * (edge + line + gap) + below), _PAPER)
@@ -50,6 +50,11 @@ def contact_sheet(pictures: Mapping[str, Image.Image], title: str, facts: Sequen
         )
         y += line
     return sheet
+
+
+def plain_number(value: float) -> str:
+    """Three digits, or all before the point: no powers of ten below a billion."""
+    return f"{value:,.0f}" if 100.0 <= abs(value) < 1e9 else f"{value:.3g}"
 
 
 def _fitting(words: str, font_px: int, width_px: int) -> str:

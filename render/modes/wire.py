@@ -13,8 +13,8 @@ from render.surfaces import ShadedSurface, plain_actor
 from schemas.arrays import FloatArray
 
 _BODY = (0.8, 0.8, 0.78)
-_LINE = (0.1, 0.16, 0.28)
-_LINE_PX = 1.0  # of the picture with several samples per pixel: half a pixel in the end
+_WIRE = (0.1, 0.16, 0.28)
+_WIRE_PX = 1.0  # of the picture with several samples per pixel: half a pixel in the end
 
 
 def wire(
@@ -25,8 +25,8 @@ def wire(
         return (), False, ()
     edges = edges_of(np.concatenate([part.points for part in parts]).astype(np.float64))
     triangles = sum(len(part.points) for part in parts)
-    legend = ((_LINE, f"{triangles:,} triangles, {len(edges):,} edges"),)
-    return (plain_actor(parts, _BODY), line_actor(edges, _LINE, _LINE_PX)), False, legend
+    legend = ((_WIRE, f"{triangles:,} triangles, {len(edges):,} edges"),)
+    return (plain_actor(parts, _BODY), line_actor(edges, _WIRE, _WIRE_PX)), False, legend
 
 
 def edges_of(corners: FloatArray) -> FloatArray:
