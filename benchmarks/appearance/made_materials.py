@@ -1,7 +1,4 @@
-"""Made glTF samples: a ball with a band of texture for each material extension that the recorded samples lack.
-
-From a name to the bytes of a .glb file; the same name gives the same bytes.
-"""
+"""Made glTF samples: a ball of 0.1 m radius for each feature of glTF materials, as bytes of a .glb file by name."""
 
 from __future__ import annotations
 
@@ -22,26 +19,98 @@ _CHECKS = 8
 _ARRAY_BUFFER_FLOAT, _UNSIGNED_INT = 5126, 5125
 _GLTF, _JSON, _BIN = 0x46546C67, 0x4E4F534A, 0x004E4942
 
-# By name: the material, and whether it is glass or has a coat, which are judged apart.
+
+def _plain(color: tuple[float, float, float], metallic: float, roughness: float, alpha: float = 1.0) -> dict[str, Any]:
+    """A material of these factors."""
+    factors = {"baseColorFactor": [*color, alpha], "metallicFactor": metallic, "roughnessFactor": roughness}
+    return {"pbrMetallicRoughness": factors}
+
+
+def _textured(number: int, roughness: float, **transform: Any) -> dict[str, Any]:
+    """A dielectric with a picture as base colour."""
+    placed = {"extensions": {"KHR_texture_transform": transform}} if transform else {}
+    use = {"index": number, **placed}
+    return {"pbrMetallicRoughness": {"baseColorTexture": use, "metallicFactor": 0.0, "roughnessFactor": roughness}}
+
+
+def _layer(name: str, **values: Any) -> dict[str, Any]:
+    """An extension of that name, with its values."""
+    return {f"KHR_materials_{name}": values}
+
+
+_CHECKS_MAP, _ORM_MAP, _NORMAL_MAP, _HOLES_MAP = range(4)  # textures of every made file
+_VOLUME = _layer("volume", thicknessFactor=0.2, attenuationColor=[0.6, 0.9, 0.7], attenuationDistance=0.2)
+# By name: the glTF material, a feature each.
 MATERIALS: dict[str, dict[str, Any]] = {
-    "made_painted": {"pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.1, 0.08, 1], "metallicFactor": 0.0, "roughnessFactor": 0.45}},
-    "made_brushed_metal": {"pbrMetallicRoughness": {"baseColorFactor": [0.7, 0.6, 0.4, 1], "metallicFactor": 1.0, "roughnessFactor": 0.35}},
-    "made_mirror": {"pbrMetallicRoughness": {"baseColorFactor": [0.9, 0.9, 0.9, 1], "metallicFactor": 1.0, "roughnessFactor": 0.05}},
-    "made_checks": {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0.0, "roughnessFactor": 0.6}},
-    "made_orm": {"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.55, 1], "metallicRoughnessTexture": {"index": 1}}},
-    "made_bumps": {"pbrMetallicRoughness": {"baseColorFactor": [0.3, 0.4, 0.6, 1], "metallicFactor": 0.0, "roughnessFactor": 0.4}, "normalTexture": {"index": 2}},
-    "made_weak_bumps": {"pbrMetallicRoughness": {"baseColorFactor": [0.3, 0.6, 0.4, 1], "metallicFactor": 0.0, "roughnessFactor": 0.4}, "normalTexture": {"index": 2, "scale": 0.4}},
-    "made_transformed": {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": {"KHR_texture_transform": {"offset": [0.1, 0.2], "rotation": 0.5, "scale": [2.0, 3.0]}}}, "metallicFactor": 0.0, "roughnessFactor": 0.6}},
-    "made_glow": {"pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.1, 0.1, 1], "metallicFactor": 0.0}, "emissiveFactor": [0.3, 0.15, 0.0], "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2.0}}},
-    "made_specular": {"pbrMetallicRoughness": {"baseColorFactor": [0.2, 0.2, 0.25, 1], "metallicFactor": 0.0, "roughnessFactor": 0.2}, "extensions": {"KHR_materials_specular": {"specularFactor": 0.3}, "KHR_materials_ior": {"ior": 1.8}}},
-    "made_sheen": {"pbrMetallicRoughness": {"baseColorFactor": [0.15, 0.05, 0.2, 1], "metallicFactor": 0.0, "roughnessFactor": 0.8}, "extensions": {"KHR_materials_sheen": {"sheenColorFactor": [0.8, 0.5, 0.9], "sheenRoughnessFactor": 0.4}}},
-    "made_anisotropic": {"pbrMetallicRoughness": {"baseColorFactor": [0.7, 0.7, 0.72, 1], "metallicFactor": 1.0, "roughnessFactor": 0.4}, "extensions": {"KHR_materials_anisotropy": {"anisotropyStrength": 0.8}}},
-    "made_iridescent": {"pbrMetallicRoughness": {"baseColorFactor": [0.3, 0.3, 0.3, 1], "metallicFactor": 1.0, "roughnessFactor": 0.2}, "extensions": {"KHR_materials_iridescence": {"iridescenceFactor": 1.0}}},
-    "made_cutout": {"pbrMetallicRoughness": {"baseColorTexture": {"index": 3}, "metallicFactor": 0.0, "roughnessFactor": 0.7}, "alphaMode": "MASK", "doubleSided": True},
-    "made_coat": {"pbrMetallicRoughness": {"baseColorFactor": [0.05, 0.1, 0.4, 1], "metallicFactor": 0.0, "roughnessFactor": 0.6}, "extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1.0, "clearcoatRoughnessFactor": 0.05}}},
-    "made_glass": {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.0}, "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_volume": {"thicknessFactor": 0.2, "attenuationColor": [0.6, 0.9, 0.7], "attenuationDistance": 0.2}}},
-}  # fmt: skip
-APART = frozenset({"made_coat", "made_glass"})
+    "made_painted": _plain((0.6, 0.1, 0.08), 0.0, 0.45),
+    "made_metal": _plain((0.7, 0.6, 0.4), 1.0, 0.35),
+    "made_mirror": _plain((0.9, 0.9, 0.9), 1.0, 0.05),
+    "made_checks": _textured(_CHECKS_MAP, 0.6),
+    "made_transformed": _textured(_CHECKS_MAP, 0.6, offset=[0.1, 0.2], rotation=0.5, scale=[2.0, 3.0]),
+    "made_orm": {
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.5, 0.5, 0.55, 1.0],
+            "metallicRoughnessTexture": {"index": _ORM_MAP},
+        }
+    },
+    "made_bumps": {**_plain((0.3, 0.4, 0.6), 0.0, 0.4), "normalTexture": {"index": _NORMAL_MAP}},
+    "made_weak_bumps": {**_plain((0.3, 0.6, 0.4), 0.0, 0.4), "normalTexture": {"index": _NORMAL_MAP, "scale": 0.4}},
+    "made_glow": {
+        **_plain((0.1, 0.1, 0.1), 0.0, 1.0),
+        "emissiveFactor": [0.3, 0.15, 0.0],
+        "extensions": _layer("emissive_strength", emissiveStrength=2.0),
+    },
+    "made_glow_map": {
+        **_plain((0.1, 0.1, 0.1), 0.0, 1.0),
+        "emissiveFactor": [0.8, 0.8, 0.8],
+        "emissiveTexture": {"index": _CHECKS_MAP},
+    },
+    "made_unlit": {**_textured(_CHECKS_MAP, 0.9), "extensions": _layer("unlit")},
+    "made_ior": {**_plain((0.2, 0.2, 0.25), 0.0, 0.2), "extensions": _layer("ior", ior=1.8)},
+    "made_specular": {
+        **_plain((0.2, 0.2, 0.25), 0.0, 0.2),
+        "extensions": _layer("specular", specularFactor=0.3, specularColorFactor=[1.0, 0.6, 0.3]),
+    },
+    "made_sheen": {
+        **_plain((0.15, 0.05, 0.2), 0.0, 0.8),
+        "extensions": _layer("sheen", sheenColorFactor=[0.8, 0.5, 0.9], sheenRoughnessFactor=0.4),
+    },
+    "made_anisotropic": {
+        **_plain((0.7, 0.7, 0.72), 1.0, 0.4),
+        "extensions": _layer("anisotropy", anisotropyStrength=0.8),
+    },
+    "made_iridescent": {
+        **_plain((0.3, 0.3, 0.3), 1.0, 0.2),
+        "extensions": _layer("iridescence", iridescenceFactor=1.0),
+    },
+    "made_cutout": {**_textured(_HOLES_MAP, 0.7), "alphaMode": "MASK", "doubleSided": True},
+    "made_blend": {**_plain((0.7, 0.2, 0.1), 0.0, 0.6, alpha=0.5), "alphaMode": "BLEND"},
+    "made_coat": {
+        **_plain((0.05, 0.1, 0.4), 0.0, 0.6),
+        "extensions": _layer("clearcoat", clearcoatFactor=1.0, clearcoatRoughnessFactor=0.05),
+    },
+    "made_coat_map": {
+        **_plain((0.4, 0.05, 0.05), 0.0, 0.6),
+        "extensions": _layer(
+            "clearcoat",
+            clearcoatFactor=1.0,
+            clearcoatRoughnessFactor=0.5,
+            clearcoatRoughnessTexture={"index": _ORM_MAP},
+        ),
+    },
+    "made_coat_bumps": {
+        **_plain((0.05, 0.3, 0.1), 0.0, 0.6),
+        "extensions": _layer("clearcoat", clearcoatFactor=1.0, clearcoatNormalTexture={"index": _NORMAL_MAP}),
+    },
+    "made_thin_glass": {
+        **_plain((1.0, 1.0, 1.0), 0.0, 0.0),
+        "extensions": _layer("transmission", transmissionFactor=1.0),
+    },
+    "made_glass": {
+        **_plain((1.0, 1.0, 1.0), 0.0, 0.0),
+        "extensions": {**_layer("transmission", transmissionFactor=1.0), **_VOLUME},
+    },
+}
 
 
 def made_glb(name: str) -> bytes:
@@ -98,7 +167,7 @@ def _ball() -> tuple[Any, Any, Any, Any]:
     points = RADIUS_M * (normals + np.array([0.0, 1.0, 0.0]))
     at = np.arange((RINGS + 1) * (SEGMENTS + 1)).reshape(RINGS + 1, SEGMENTS + 1)
     a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
-    lower = np.stack([a, b, c], axis=1)[: -SEGMENTS]
+    lower = np.stack([a, b, c], axis=1)[:-SEGMENTS]
     triangles = np.concatenate([lower, np.stack([a, c, d], axis=1)[SEGMENTS:]])
     uv = np.stack([u.ravel(), v.ravel()], axis=1)
     return points.astype("<f4"), normals.astype("<f4"), uv.astype("<f4"), triangles.astype("<u4")
