@@ -6,6 +6,7 @@ annotation frame N of the released asset (`render.camera`), so lamps and clippin
 
 from __future__ import annotations
 
+import hashlib
 import json
 import subprocess
 from collections.abc import Sequence
@@ -44,7 +45,7 @@ class Quality:
 
 @dataclass(frozen=True)
 class Picture:
-    """rgb (h, w, 3) sRGB 0..1 over the studio's background; alpha (h, w) is the share of a pixel that the object covers."""
+    """rgb (h, w, 3) is sRGB 0..1 over the studio's background, alpha (h, w) the object's share of each pixel."""
 
     rgb: Float32Array
     alpha: Float32Array
@@ -71,7 +72,7 @@ def draw(
     np.save(light, radiance()[..., 0])
     request = {
         "file": str(file.resolve()),
-        "bytes": file.stat().st_size,
+        "sha256": _digest(file),
         "X_NB": (_to_annotation_frame(frame) @ X_AB).tolist(),
         "cameras": _cameras(views, frame.extent),
         "fov_rad": FIELD_OF_VIEW_RAD,
@@ -106,7 +107,8 @@ def read_picture(file: Path) -> Picture:
     """A PNG with alpha over the background of the studio."""
     pixels = np.asarray(Image.open(file).convert("RGBA"), dtype=np.float32) / 255.0
     alpha = pixels[..., 3]  # PNG holds colours that are not multiplied by it.
-    return Picture(pixels[..., :3] * alpha[..., None] + BACKGROUND_SRGB / 255.0 * (1.0 - alpha[..., None]), alpha)
+    behind = np.float32(BACKGROUND_SRGB / 255.0)
+    return Picture((behind + (pixels[..., :3] - behind) * alpha[..., None]).astype(np.float32), alpha)
 
 
 def _run(program: Path, request: dict[str, Any], out: Path) -> None:
@@ -124,6 +126,15 @@ def _run(program: Path, request: dict[str, Any], out: Path) -> None:
     if child.returncode or absent:
         raise NotDrawn(f"no pictures {absent} of {request['file']}: {(child.stdout + child.stderr)[-600:]}")
     pending.rename(done)
+
+
+def _digest(file: Path) -> str:
+    """A hash of the file, and of its whole folder where it reads other files."""
+    files = [file] if file.suffix == ".glb" else sorted(p for p in file.parent.rglob("*") if p.is_file())
+    digest = hashlib.sha256()
+    for path in files:
+        digest.update(path.relative_to(file.parent).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
 
 
 def _to_annotation_frame(frame: AnnotationFrame) -> FloatArray:

@@ -9,16 +9,16 @@ azimuths from the viewer's side to the right), `lamps` (direction in camera axes
 Written: NAME.png, sRGB by the view transform `Standard`, with the alpha of the object.
 """
 
+import importlib
 import json
 import math
 import os
 import sys
 from pathlib import Path
 
-import bpy
 import numpy as np
-from mathutils import Euler, Matrix, Vector
 
+bpy, mathutils = importlib.import_module("bpy"), importlib.import_module("mathutils")
 GLTF = (".glb", ".gltf")
 BOUNCES = 8  # Blender's default is 12; light that passes more than 8 surfaces of one object adds less than 8 bits show.
 
@@ -37,7 +37,7 @@ def imported(file, X_NB):
             bpy.data.objects.remove(thing)
         elif thing.parent is None and thing is not frame:
             thing.parent = frame
-    frame.matrix_world = Matrix(X_NB)
+    frame.matrix_world = mathutils.Matrix(X_NB)
     bpy.context.view_layer.update()
 
 
@@ -77,7 +77,7 @@ def far_lamps(lamps):
         data.energy, data.angle = lamp["irradiance"], 0.0
         sun = bpy.data.objects.new(f"lamp {number}", data)
         bpy.context.scene.collection.objects.link(sun)
-        suns.append((sun, Vector(lamp["towards_C"])))
+        suns.append((sun, mathutils.Vector(lamp["towards_C"])))
     return suns
 
 
@@ -108,8 +108,8 @@ def draw(request):
     scene.collection.objects.link(eye)
     scene.camera = eye
     for name, camera in request["cameras"].items():
-        eye.matrix_world = Matrix(camera["X_NC"])
-        turn.inputs["Rotation"].default_value = Euler((0.0, 0.0, -math.radians(camera["azimuth_deg"])))
+        eye.matrix_world = mathutils.Matrix(camera["X_NC"])
+        turn.inputs["Rotation"].default_value = mathutils.Euler((0.0, 0.0, -math.radians(camera["azimuth_deg"])))
         for sun, towards_C in suns:
             towards_N = eye.matrix_world.to_3x3() @ towards_C
             sun.matrix_world = towards_N.to_track_quat("Z", "Y").to_matrix().to_4x4()

@@ -35,8 +35,8 @@ def covered(first: Picture, second: Picture) -> BoolArray:
 
 def flip_map(reference: Float32Array, test: Float32Array) -> Float32Array:
     """(h, w) FLIP, 0 to 1, between two sRGB pictures (h, w, 3)."""
-    pictures: list[Any] = [np.ascontiguousarray(picture, dtype=np.float32) for picture in (reference, test)]
+    first, second = (np.ascontiguousarray(picture, dtype=np.float32) for picture in (reference, test))
     answer: Any = flip_evaluator.evaluate(
-        *pictures, "LDR", applyMagma=False, computeMeanError=False, parameters={"ppd": PIXELS_PER_DEGREE}
+        first, second, "LDR", applyMagma=False, computeMeanError=False, parameters={"ppd": PIXELS_PER_DEGREE}
     )
     return np.asarray(answer[0], dtype=np.float32)[..., 0]

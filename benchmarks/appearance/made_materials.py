@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from schemas.arrays import FloatArray
+from schemas.arrays import AnyFloatArray, FloatArray
 
 RINGS, SEGMENTS = 48, 96
 RADIUS_M = 0.1
@@ -173,7 +173,7 @@ def _ball() -> tuple[Any, Any, Any, Any]:
     return points.astype("<f4"), normals.astype("<f4"), uv.astype("<f4"), triangles.astype("<u4")
 
 
-def _png(pixels: FloatArray) -> bytes:
+def _png(pixels: AnyFloatArray) -> bytes:
     buffer = io.BytesIO()
     Image.fromarray(np.round(255.0 * np.clip(pixels, 0.0, 1.0)).astype(np.uint8)).save(buffer, "PNG")
     return buffer.getvalue()
