@@ -9,8 +9,9 @@ readers make of the two. The source is brought into the asset frame by unit, axe
 aligned by pictures. FLIP is averaged over the pixels that the object touches in either picture (mask of Cycles).
 *Noise* is the FLIP between two drawings of the source with other random numbers, in the front view.
 
-OUT/table.md and results.json hold the figures, OUT/sheet.png and OUT/NAME/sheet.png the pictures. A second run draws
-only what changed. Exit code 1 where a sample exceeds the targets or could not be compared.
+OUT/table.md and results.json hold the figures, OUT/sheet.png the view of each sample that differs most, and
+OUT/NAME/sheet.png all views. A second run draws only what changed. Exit code 1 where a view exceeds its target or a
+sample could not be compared.
 """
 
 from __future__ import annotations
@@ -68,7 +69,7 @@ def main() -> int:
     (options.out / "table.md").write_text(text)
     print(text)
     compared = [result for result in results if isinstance(result, Comparison)]
-    sheet.stacked([options.out / result.name / "sheet.png" for result in compared], options.out / "sheet.png")
+    sheet.overview([options.out / result.name / "tile.png" for result in compared], options.out / "sheet.png")
     return 0 if results and all(isinstance(r, Comparison) and r.meets for r in results) else 1
 
 
@@ -86,12 +87,14 @@ def compare(sample: Sample, out: Path, quality: cycles.Quality) -> Comparison:
     own_source = draw_source(sample.source, X_AS, frame, source, out, quality.size_px)
     own_release = draw_release(release, frame, released, out, quality.size_px)
     sheet.write(out / "sheet.png", sample.name, (source, released), (own_source, own_release))
+    flips = mean_flip(source, released)
+    sheet.tile(out / "tile.png", sample.name, source, released, flips)
     return Comparison(
         name=sample.name,
         outcome=record.outcome.value,
         apart=any(material.optics != "opaque" for material in record.appearance.render_materials),
         lacking=lacking(release),
-        cycles=mean_flip(source, released),
+        cycles=flips,
         noise=mean_flip(again, source),
         own=mean_flip(own_source, own_release),
         between=mean_flip(released, own_release),

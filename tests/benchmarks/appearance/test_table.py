@@ -1,4 +1,4 @@
-"""Figures of the comparison: FLIP over the object alone, targets of views and of medians, glass apart, refusals named."""
+"""Figures of the comparison: FLIP over the object alone, targets of views and medians, glass apart, refusals named."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ VIEWS = ("view_front", "view_left", "view_back", "view_top")
 
 
 def _row(name: str, *flips: float, apart: bool = False) -> Comparison:
-    by_view = dict(zip(VIEWS, flips, strict=True))
+    by_view: dict[str, float] = dict(zip(VIEWS, flips, strict=True))
     return Comparison(name, "accepted", apart, ("sheen.color",), by_view, {"view_front": 0.03}, by_view, by_view)
 
 
