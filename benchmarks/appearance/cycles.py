@@ -38,8 +38,8 @@ class NotDrawn(Exception):
 class Quality:
     """Pixels a side, paths per pixel, and threads of one drawing by Cycles; the pictures do not depend on threads."""
 
-    size_px: int = 192
-    samples: int = 32
+    size_px: int = 160
+    samples: int = 16
     threads: int = 2
 
 
