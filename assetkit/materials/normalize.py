@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from assetkit.materials.alpha_pictures import with_alpha_apart
 from assetkit.materials.baked_lighting import baked_lighting, suspicion
 from assetkit.materials.material_records import material_records
 from assetkit.materials.normal_maps import GreenDirection, with_green_up
@@ -52,10 +53,11 @@ def normalize(
                 diagnostics.append(_green_down(material, field, way.correlation))
                 repairs += _turning(material, field)
         materials.append(in_metres(upright, meters_per_unit))
-    textures, reduced = within_budget(tuple(pictures.values()), materials, max_texture)
+    split, pictures = with_alpha_apart(materials, pictures)
+    textures, reduced = within_budget(tuple(pictures.values()), split, max_texture)
     diagnostics += [_smaller(change, max_texture) for change in reduced]
     repairs += [_resampling(change) for change in reduced]
-    released = replace(model, materials=tuple(materials), textures=textures)
+    released = replace(model, materials=split, textures=textures)
     section, notes = _section(released)
     return Outcome(Appearance(released.materials, textures, section), (*diagnostics, *notes), tuple(repairs))
 
