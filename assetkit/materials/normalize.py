@@ -53,13 +53,13 @@ def normalize(
                 diagnostics.append(_green_down(material, field, way.correlation))
                 repairs += _turning(material, field)
         materials.append(in_metres(upright, meters_per_unit))
-    split, pictures = with_alpha_apart(materials, pictures)
-    textures, reduced = within_budget(tuple(pictures.values()), split, max_texture)
+    textures, reduced = within_budget(tuple(pictures.values()), materials, max_texture)
+    split, pictures = with_alpha_apart(materials, {texture.name: texture for texture in textures})
     diagnostics += [_smaller(change, max_texture) for change in reduced]
     repairs += [_resampling(change) for change in reduced]
-    released = replace(model, materials=split, textures=textures)
+    released = replace(model, materials=split, textures=tuple(pictures.values()))
     section, notes = _section(released)
-    return Outcome(Appearance(released.materials, textures, section), (*diagnostics, *notes), tuple(repairs))
+    return Outcome(Appearance(released.materials, released.textures, section), (*diagnostics, *notes), tuple(repairs))
 
 
 def with_known_textures(material: Material, known: set[str]) -> Material:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from assetkit.materials.alpha_pictures import with_alpha_apart
+from assetkit.materials.normalize import normalize
 from schemas.appearance.material import Material, Specular, Texture, TextureUse
+from tests.support import package_samples as samples
 
 
 def _texture(name: str, pixels: np.ndarray) -> Texture:
@@ -73,3 +76,18 @@ def test_uses_as_data_keep_the_picture_and_names_stay_unique():
     assert split.specular == Specular(weight_texture=TextureUse("t_alpha", "r"), color_texture=TextureUse("t_rgb_2"))
     assert set(after) == {"t", "t_rgb", "t_rgb_2", "t_alpha"}
     assert after["t"] is textures["t"]
+
+
+def test_colours_under_no_alpha_do_not_bleed_into_smaller_pictures():
+    pixels = np.zeros((8, 8, 4), dtype=np.uint8)
+    pixels[:, ::2] = (0, 255, 0, 255)  # columns of opaque green between hidden black ones
+    leaf = Material("leaf", base_color_texture=TextureUse("t"), opacity_texture=TextureUse("t", "a"), alpha_mode="mask")
+    mesh = samples.box_mesh(material=0)
+    mesh = replace(mesh, uvs=(samples.uvs(mesh),))
+    value = normalize(samples.model([mesh], [leaf], [_texture("t", pixels)]), max_texture=4).value
+    assert value is not None
+    smaller = {texture.name: _texels(texture) for texture in value.textures}
+    assert set(smaller) == {"t_rgb", "t_alpha"}
+    assert smaller["t_rgb"].shape == (4, 4, 3)
+    assert smaller["t_rgb"][..., 1].min() > 230
+    assert 50 < smaller["t_alpha"].mean() < 200
