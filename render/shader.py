@@ -33,7 +33,8 @@ CLEARED = 0.7  # of the opacity that clear glass loses: it keeps a body that can
 _WRAP_MODES = {"repeat": 0, "clamp": 1, "mirror": 2, "black": 3}
 
 # Tangent frame from screen-space derivatives (Schueler, "Normal mapping without precomputed tangents", ShaderX 5):
-# right for mirrored and transformed UVs, where VTK's per-vertex tangents have no handedness.
+# right for mirrored and transformed UVs, where VTK's per-vertex tangents have no handedness. Both axes have length 1
+# however far the texture is stretched, the tangent lies across the gradient of v (glTF 2.0, 3.7.2.1: MikkTSpace).
 _BUMP = """
   {{
     vec3 n_T = ({sample}).xyz * 2.0 - 1.0;
@@ -41,12 +42,14 @@ _BUMP = """
     vec3 p1 = dFdx(vertexVC.xyz), p2 = dFdy(vertexVC.xyz);
     vec2 t1 = dFdx({uv}), t2 = dFdy({uv});
     vec3 q1 = cross(normalVCVSOutput, p1), q2 = cross(p2, normalVCVSOutput);
-    vec3 T = q2 * t1.x + q1 * t2.x, B = q2 * t1.y + q1 * t2.y;
-    float size2 = max(dot(T, T), dot(B, B));
+    vec3 u = q2 * t1.x + q1 * t2.x, v = q2 * t1.y + q1 * t2.y;
+    float size2 = dot(v, v);
     if (size2 > 0.0) {{
+      vec3 B = v * inversesqrt(size2);
+      vec3 T = cross(B, normalVCVSOutput) * (dot(cross(u, v), normalVCVSOutput) < 0.0 ? -1.0 : 1.0);
       // Seen from behind, a bump is a dent: the whole tilted normal is reversed (glTF 2.0, 3.9.4, double sided).
       float turn = (dot(cross(p1, p2), normalVCVSOutput) < 0.0) == gl_FrontFacing ? -1.0 : 1.0;
-      normalVCVSOutput = normalize((T * n_T.x + B * n_T.y) * (turn * inversesqrt(size2)) + normalVCVSOutput * n_T.z);
+      normalVCVSOutput = normalize((T * n_T.x + B * n_T.y) * turn + normalVCVSOutput * n_T.z);
     }}
   }}
 """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from PIL import Image, ImageFilter
 from vtkmodules.util.numpy_support import numpy_to_vtk
@@ -19,14 +21,25 @@ _FLOOR_PX = 128
 _SHADOW_LAYERS = ((0.05, 0.025, 0.42), (0.25, 0.08, 0.26), (1.01, 0.2, 0.16))
 
 
+@dataclass(frozen=True)
+class Lamp:
+    """A far lamp that turns with the camera: the direction to it in camera axes (right, up, backward), irradiance."""
+
+    towards_C: tuple[float, float, float]
+    intensity: float
+
+
+LAMPS = (Lamp((-1.3, 1.2, 0.9), 0.8), Lamp((1.2, 0.2, 1.0), 0.1))  # a key from the upper left, a faint fill
+
+
 def studio_renderer() -> vtkRenderer:
     """An empty renderer with the light of the studio; the scene is the annotation frame (z up)."""
     vtkMapper.SetResolveCoincidentTopologyToPolygonOffset()  # A switch of the whole process, so set it always.
     renderer = vtkOpenGLRenderer()
     renderer.SetBackground(*([BACKGROUND_SRGB / 255.0] * 3))
     renderer.SetAutomaticLightCreation(False)
-    renderer.AddLight(_lamp(-1.3, 1.2, 0.9, 0.8))
-    renderer.AddLight(_lamp(1.2, 0.2, 1.0, 0.1))
+    for lamp in LAMPS:
+        renderer.AddLight(_camera_light(lamp))
     add_environment_light(renderer)
     return renderer
 
@@ -78,14 +91,13 @@ def _environment_texture(tint: tuple[float, float, float]) -> vtkTexture:
     return texture
 
 
-def _lamp(right: float, up: float, backward: float, intensity: float) -> vtkLight:
-    """A far lamp in the direction (right, up, backward) as seen from the camera."""
-    lamp = vtkLight()
-    lamp.SetLightTypeToCameraLight()
-    lamp.SetPosition(right, up, backward)
-    lamp.SetFocalPoint(0.0, 0.0, 0.0)
-    lamp.SetIntensity(intensity)
-    return lamp
+def _camera_light(lamp: Lamp) -> vtkLight:
+    light = vtkLight()
+    light.SetLightTypeToCameraLight()
+    light.SetPosition(*lamp.towards_C)
+    light.SetFocalPoint(0.0, 0.0, 0.0)
+    light.SetIntensity(lamp.intensity)
+    return light
 
 
 def floor(points: FloatArray, bottom: float) -> vtkActor:

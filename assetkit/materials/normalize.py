@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from assetkit.materials.alpha_pictures import with_alpha_apart
 from assetkit.materials.baked_lighting import baked_lighting, suspicion
 from assetkit.materials.material_records import material_records
 from assetkit.materials.normal_maps import GreenDirection, with_green_up
@@ -53,11 +54,12 @@ def normalize(
                 repairs += _turning(material, field)
         materials.append(in_metres(upright, meters_per_unit))
     textures, reduced = within_budget(tuple(pictures.values()), materials, max_texture)
+    split, pictures = with_alpha_apart(materials, {texture.name: texture for texture in textures})
     diagnostics += [_smaller(change, max_texture) for change in reduced]
     repairs += [_resampling(change) for change in reduced]
-    released = replace(model, materials=tuple(materials), textures=textures)
+    released = replace(model, materials=split, textures=tuple(pictures.values()))
     section, notes = _section(released)
-    return Outcome(Appearance(released.materials, textures, section), (*diagnostics, *notes), tuple(repairs))
+    return Outcome(Appearance(released.materials, released.textures, section), (*diagnostics, *notes), tuple(repairs))
 
 
 def with_known_textures(material: Material, known: set[str]) -> Material:

@@ -15,7 +15,7 @@ from schemas.appearance.material import Material, Texture
 from schemas.arrays import AnyFloatArray, FloatArray
 
 Meaning = Literal["colour", "normal", "data"]
-_COLOURS: Final = (
+COLOUR_FIELDS: Final = (
     "base_color_texture",
     "emissive_texture",
     "specular.color_texture",
@@ -124,7 +124,7 @@ def _meanings(materials: Sequence[Material]) -> dict[str, Meaning]:
         for field, use in material.texture_uses.items():
             if use.channel == "a":
                 continue
-            meaning: Meaning = "colour" if field in _COLOURS else "normal" if field in _NORMALS else "data"
+            meaning: Meaning = "colour" if field in COLOUR_FIELDS else "normal" if field in _NORMALS else "data"
             meanings.setdefault(use.texture, set()).add(meaning)
     return {name: next(iter(of)) if len(of) == 1 else "data" for name, of in meanings.items()}
 

@@ -11,7 +11,7 @@ class RenderPreviews(Stage):
     """Four standard views, the collision overlay, the parts, the strip of a mechanism and a thumbnail."""
 
     name = "previews"
-    version = 2
+    version = 3
     result = Previews
     reads = (Canonical, Appearance, Interaction, Physics)
 

@@ -12,7 +12,7 @@ class Retopologize(Stage):
     """Replaces heavy meshes by light ones that look alike, in the units and axes of the source."""
 
     name = "retopology"
-    version = 1
+    version = 2
     result = Retopology
 
     def wanted(self, options: Options) -> bool:

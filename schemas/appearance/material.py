@@ -20,7 +20,10 @@ WHITE: LinearRGB = (1.0, 1.0, 1.0)
 
 @dataclass(frozen=True)
 class Texture:
-    """An image file, byte for byte as the source holds it (PNG or JPEG; other formats are converted to PNG)."""
+    """An image file, byte for byte as the source holds it (PNG or JPEG; other formats are converted to PNG).
+
+    Released ones may be derived: turned normal maps, halves of pictures with alpha, smaller ones.
+    """
 
     name: str  # unique within the model, without extension
     data: bytes

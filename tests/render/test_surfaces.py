@@ -93,9 +93,9 @@ def test_missing_normals_come_from_the_face(tmp_path: Path) -> None:
     assert all((first[name] == second[name]).all() for name in first)
 
 
-@pytest.mark.parametrize("mirrored", [False, True])
-def test_normal_maps_shade_like_tilted_normals(mirrored: bool, tmp_path: Path) -> None:
-    uvs = UNIT_UVS * np.array([-1, 1], dtype=np.float32) if mirrored else UNIT_UVS
+@pytest.mark.parametrize("stretch", [(1, 1), (-1, 1), (1, 4), (4, 1), (-4, 1)])
+def test_normal_maps_shade_like_tilted_normals(stretch: tuple[int, int], tmp_path: Path) -> None:
+    uvs, mirrored = UNIT_UVS * np.array(stretch, dtype=np.float32), stretch[0] < 0
     texel = np.array([60, 170, 235])
     bumpy = Material("m", normal_texture=TextureUse("bump"), roughness=1.0)
     textures = (image("bump", np.tile(texel, (4, 4, 1))),)
