@@ -31,6 +31,7 @@ from assetkit.stage import (
     Interaction,
     Physics,
     Previews,
+    Recovery,
     Semantics,
     Stage,
     Tools,
@@ -48,9 +49,9 @@ class AcceptPackage(Stage):
     """Judges the bytes that are shipped, never the values in memory."""
 
     name = "acceptance"
-    version = 12
+    version = 13
     result = Acceptance
-    reads = (Canonical, Appearance, Semantics, Interaction, Physics, Previews)
+    reads = (Canonical, Appearance, Semantics, Interaction, Recovery, Physics, Previews)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Acceptance]:
         """Validator verdicts, gate findings, simulator figures of the package on disk; anchors and grasps tried on it.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assetkit.package.preview_images import render_previews
-from assetkit.stage import Appearance, Canonical, Draft, Interaction, Physics, Previews, Stage, Tools
+from assetkit.stage import Appearance, Canonical, Draft, Interaction, Physics, Previews, Recovery, Stage, Tools
 from schemas.outcome import Outcome
 
 
@@ -11,9 +11,9 @@ class RenderPreviews(Stage):
     """Four standard views, the collision overlay, the parts, the strip of a mechanism and a thumbnail."""
 
     name = "previews"
-    version = 2
+    version = 3
     result = Previews
-    reads = (Canonical, Appearance, Interaction, Physics)
+    reads = (Canonical, Appearance, Interaction, Recovery, Physics)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Previews]:
         """PNG bytes by name."""
