@@ -23,7 +23,7 @@ from schemas.model import Mesh, Model
 RECOVERABLE: Final = ("base_color", "metallic", "roughness", "ior", "transmission")
 # Names that tools give to new materials, beside those that `read_name` calls uninformative.
 _TOOL_NAMES: Final = frozenset(
-    ("lambert", "blinn", "phong", "shader", "shading", "initial", "group", "sg", "fx", "display", "color", "untitled")
+    ("lambert", "blinn", "phong", "shader", "shading", "initial", "group", "sg", "fx", "display", "color", "none", "surface")
 )
 # CIELAB: greys of exporters (0.8, 0.64 and 0.5 in display or linear values, and white) are lighter and duller.
 _MOST_CHROMA: Final = 3.0
