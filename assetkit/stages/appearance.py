@@ -11,7 +11,7 @@ class NormalizeAppearance(Stage):
     """Checks every material value against its range, and textures and their coordinates against the uses of them."""
 
     name = "appearance"
-    version = 5
+    version = 6
     result = Appearance
     reads = (Retopology, Canonical)
 

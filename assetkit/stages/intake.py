@@ -24,7 +24,7 @@ class ReadSource:
     """Reads a source file with the reader of its format and splits the model into far-apart objects."""
 
     name = "intake"
-    version = 5
+    version = 6
     result = IntakeResult
 
     def accepts(self, asset: SourceAsset) -> list[Diagnostic]:
