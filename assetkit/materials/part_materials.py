@@ -95,7 +95,7 @@ class MaterialChances:
     is_named: bool
 
     def deciding(self, members: Sequence[str]) -> tuple[str, ...]:
-        """The clues that speak for the classes `members` together, the strongest first."""
+        """The clues for the classes `members` together, the strongest first."""
         index = [class_names().index(name) for name in members]
         lifts = {clue: _lift(row, index) for clue, row in self.clues.items()}
         ranked = sorted(lifts, key=lambda clue: (-lifts[clue], clue))

@@ -24,7 +24,7 @@ from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.model import Model
 from schemas.outcome import ExternalAnswer, Outcome
 
-_VIEW_PX = 256  # of the pictures that a generator gets
+_QUESTION_PX = 256  # of the pictures that a generator gets
 
 
 class RecoverAppearance(Stage):
@@ -36,7 +36,7 @@ class RecoverAppearance(Stage):
     reads = (Canonical, Appearance, Semantics, Interaction)
 
     def wanted(self, options: Options) -> bool:
-        """Whether the options ask for it."""
+        """Whether the options want it."""
         return options.recover_appearance
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Recovery]:
@@ -45,14 +45,14 @@ class RecoverAppearance(Stage):
         answers: list[Proposals] = []
         generator = tools.options.generator
 
-        def ask(surfaces: Sequence[OpenSurface]) -> Sequence[Sequence[LibraryMaterial]]:
+        def proposed(surfaces: Sequence[OpenSurface]) -> Sequence[Sequence[LibraryMaterial]]:
             if generator is None:
                 return [()] * len(surfaces)
             question = question_of(surfaces, subject.category, subject.file_name, _views(model, tools.work_dir))
             answers.append(proposals(generator, question, len(surfaces), tools.work_dir))
             return answers[-1].of_surface
 
-        recovered = recover(model, subject, partial(draw, work_dir=tools.work_dir), ask)
+        recovered = recover(model, subject, partial(draw, work_dir=tools.work_dir), proposed)
         section, _ = appearance_section(recovered.model)
         # The colours of the record are those that the source states, and so are its degraded surfaces.
         kept = {"colours": stated.colours, "degraded": stated.degraded, "recovered": recovered.surfaces}
@@ -90,7 +90,7 @@ def subject_of(draft: Draft) -> RecoverySubject:
 
 def _views(model: Model, work_dir: Path) -> dict[str, bytes]:
     points = np.concatenate([mesh.points for mesh in model.meshes])
-    return render_views(model, (points.min(axis=0), points.max(axis=0)), work_dir, _VIEW_PX)
+    return render_views(model, (points.min(axis=0), points.max(axis=0)), work_dir, _QUESTION_PX)
 
 
 def _finding(surface: RecoveredSurface) -> Diagnostic:

@@ -8,9 +8,8 @@ from pathlib import Path
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from render.camera import camera, model_frame
-from render.polydata import triangle_soup
 from render.ready_studio import take_studio
-from render.surfaces import ShadedSurface, actor, surfaces
+from render.surfaces import actor, set_material, surfaces
 from render.textures import TextureSet
 from render.variants.regions import OTHER, region_rgb
 from render.variants.request import VariantsRequest
@@ -24,30 +23,33 @@ def draw_variants(request: VariantsRequest) -> None:
     cameras = {view.name: camera(view, frame.extent) for view in request.views}
     out = Path(request.out_dir)
     textures = TextureSet(request.model.textures)
+    named = tuple(replace(material, name=f"{index}") for index, material in enumerate(request.model.materials))
+    parts = [part for part in surfaces(replace(request.model, materials=named), frame) if len(part.points)]
+    visuals = [(int(part.material.name), actor(part, textures)) for part in parts]
+    for _, visual in visuals:
+        renderer.AddActor(visual)
     for number, materials in enumerate(request.variants):
-        parts = surfaces(replace(request.model, materials=materials), frame)
-        visuals = [actor(part, textures) for part in parts if len(part.points)]
-        if any(visual.GetForceTranslucent() for visual in visuals):
+        for index, visual in visuals:
+            set_material(visual, materials[index])
+        if any(visual.GetForceTranslucent() for _, visual in visuals):
             enable_depth_peeling(renderer)
-        for visual in visuals:
-            renderer.AddActor(visual)
+        else:
+            renderer.SetUseDepthPeeling(False)
         for name, lens in cameras.items():
             save_png(take_picture(window, renderer, lens, request.size_px), out / f"{number}_{name}.png")
-        for visual in visuals:
-            renderer.RemoveActor(visual)
-    named = tuple(replace(material, name=f"{index}") for index, material in enumerate(request.model.materials))
-    region_of = {f"{index}": number for number, index in enumerate(request.regions)}
-    for part in surfaces(replace(request.model, materials=named, textures=()), frame):
-        if len(part.points):
-            renderer.AddActor(_flat(part, region_rgb(region_of.get(part.material.name, OTHER))))
+    renderer.SetUseDepthPeeling(False)
+    region_of = {index: number for number, index in enumerate(request.regions)}
+    for index, visual in visuals:
+        renderer.RemoveActor(visual)
+        renderer.AddActor(_flat(visual, region_rgb(region_of.get(index, OTHER))))
     for name, lens in cameras.items():
         save_png(take_picture(window, renderer, lens, request.size_px), out / f"regions_{name}.png")
 
 
-def _flat(surface: ShadedSurface, rgb: tuple[int, int, int]) -> vtkActor:
-    """The surface in one colour whatever the light."""
+def _flat(visual: vtkActor, rgb: tuple[int, int, int]) -> vtkActor:
+    """The surface of an actor in one colour whatever the light."""
     mapper = vtkPolyDataMapper()
-    mapper.SetInputDataObject(triangle_soup(surface.points, surface.normals, {}))
+    mapper.SetInputDataObject(visual.GetMapper().GetInputDataObject(0, 0))
     mapper.ScalarVisibilityOff()
     result = vtkActor()
     result.SetMapper(mapper)

@@ -1,4 +1,4 @@
-"""The flat colours by which regions are told apart in a picture, and the region at each of its pixels."""
+"""The flat colours that distinguish regions in a picture, and the region at each of its pixels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Input of the child process that draws variants: one model, its sets of materials, the surfaces to tell apart."""
+"""Input of the child process that draws variants: one model, its sets of materials, the surfaces to distinguish."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ class VariantsRequest:
     """A model to draw once per set of materials: `python -m render.variants.worker REQUEST.npz`.
 
     model     canonical: metres, z-up, +x is the front.
-    variants  sets of materials, each as long as `model.materials`; picture `K_VIEW.png` for each set and view.
-    regions   materials (indices) whose surfaces are told apart in `regions_VIEW.png`.
+    variants  sets of materials, each as long as `model.materials`; picture `K_VIEW.png` for each set and view. They
+              differ from those of the model in plain values only, not in pictures, emission and alpha mode.
+    regions   materials (indices) whose surfaces are distinguished in `regions_VIEW.png`.
     out_dir   an existing folder.
     """
 

@@ -23,7 +23,21 @@ from schemas.model import Mesh, Model
 RECOVERABLE: Final = ("base_color", "metallic", "roughness", "ior", "transmission")
 # Names that tools give to new materials, beside those that `read_name` calls uninformative.
 _TOOL_NAMES: Final = frozenset(
-    ("lambert", "blinn", "phong", "shader", "shading", "initial", "group", "sg", "fx", "display", "color", "none", "surface")
+    (
+        "lambert",
+        "blinn",
+        "phong",
+        "shader",
+        "shading",
+        "initial",
+        "group",
+        "sg",
+        "fx",
+        "display",
+        "color",
+        "none",
+        "surface",
+    )
 )
 # CIELAB: greys of exporters (0.8, 0.64 and 0.5 in display or linear values, and white) are lighter and duller.
 _MOST_CHROMA: Final = 3.0
@@ -104,7 +118,7 @@ def degradation(material: Material, known_textures: set[str]) -> DegradedReason 
 def open_fields(material: Material, reason: DegradedReason) -> tuple[str, ...]:
     """The fields of a degraded material that state nothing trustworthy.
 
-    The colour beside a lost picture was its factor: white and greys say nothing, a tone does. In an exporter's default
+    The colour beside a lost picture was its factor: white and greys mean nothing, a tone does. In an exporter's default
     metallic 0, or metallic and roughness both 1, are as little stated as the grey.
     """
     plain = is_default_grey(material.base_color)

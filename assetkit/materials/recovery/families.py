@@ -62,7 +62,7 @@ class FamilyChances:
         return sum(self.of_class.get(name, 0.0) for name in classes_of(family))
 
     def evidence(self, family: str) -> Evidence[str]:
-        """The family with its calibrated confidence and the clues for it; a default where no clue speaks at all."""
+        """The family with its calibrated confidence and the clues for it; a default where there is no clue at all."""
         if not self.weighed.clues:
             return default(family, "no evidence: the most usual family of household things")
         most = MOST_WITH_NAME if self.named == family else MOST_WITHOUT_NAME

@@ -1,4 +1,4 @@
-"""Asks a generative model of the user for materials of degraded surfaces; every answer is checked as hostile input.
+"""Materials that a generative model of the user proposes for degraded surfaces; an answer is checked as hostile input.
 
 A program gets two paths, of a question to read and an answer to write; a server gets the question by POST and sends the
 answer. Both are JSON, in the form of `question_of` and `_Answer`; docs/explanation/appearance-recovery.md states it.
@@ -30,7 +30,7 @@ from schemas.evidence import Evidence
 from schemas.outcome import EndpointUse
 
 VERSION: Final = 1  # of the form of question and answer
-MOST_BYTES: Final = 2**20  # an answer is some hundred bytes a surface
+MOST_PROPOSAL_BYTES: Final = 2**20  # an answer is some hundred bytes a surface
 MOST_MATERIALS: Final = 64
 MOST_OF_SURFACE: Final = 2  # proposals that are drawn; the library has four
 MEMORY_MB: Final = 65536  # generative models map large files
@@ -38,7 +38,7 @@ _MOST_QUOTED: Final = 200
 # Bounds of plausible surfaces: toothpaste, the brightest of paints, has 0.94; the darkest of metals, silicon, has 0.35
 # (physicallybased.info).
 _BRIGHTEST_PAINT, _DARKEST_METAL = 0.96, 0.2
-_METALLIC, _CLEAR = 0.5, 0.3
+_LEAST_METALLIC, _CLEAR_TRANSMISSION = 0.5, 0.3  # from which a material counts as bare metal, as see-through
 _Share = Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)]
 
 
@@ -125,11 +125,11 @@ def implausible(proposal: _Proposal, count: int) -> str:
     if proposal.material_class not in class_names():
         return "an unknown class of material"
     metal = proposal.material_class in METALS
-    if metal != (proposal.metallic > _METALLIC):
+    if metal != (proposal.metallic > _LEAST_METALLIC):
         return f"{proposal.material_class} of metallic {proposal.metallic:g}"
     if metal and max(proposal.base_color) < _DARKEST_METAL:
         return f"a metal darker than {_DARKEST_METAL:g}"
-    if not metal and proposal.transmission < _CLEAR and min(proposal.base_color) > _BRIGHTEST_PAINT:
+    if not metal and proposal.transmission < _CLEAR_TRANSMISSION and min(proposal.base_color) > _BRIGHTEST_PAINT:
         return f"a paint brighter than {_BRIGHTEST_PAINT:g}"
     return ""
 
@@ -157,7 +157,7 @@ def _by_command(
             return "", f"{result.status.replace('_', ' ')}: {cleaned(last, _MOST_QUOTED)}", None
         try:
             plain = answer_file.is_file() and not answer_file.is_symlink()
-            if not plain or answer_file.stat().st_size > MOST_BYTES:
+            if not plain or answer_file.stat().st_size > MOST_PROPOSAL_BYTES:
                 return "", "its answer is missing, too large or no plain file", None
             return answer_file.read_bytes().decode(errors="replace"), "", None
         except OSError:

@@ -109,7 +109,7 @@ def _filled_model(model: Model, choices: Sequence[Choice]) -> RecoveredModel:
     chosen: dict[str, int] = {}
     records: list[RecoveredSurface] = []
     recovered = {mesh for choice in choices for mesh in choice.surface.meshes}
-    kept = {mesh.material for mesh in model.meshes if mesh.id not in recovered}
+    in_use = {mesh.material for mesh in model.meshes if mesh.id not in recovered}
     index_of: dict[tuple[int | None, str], int] = {}
     for choice in choices:
         original, best = choice.surface.degraded.index, choice.candidates[0].entry
@@ -117,8 +117,8 @@ def _filled_model(model: Model, choices: Sequence[Choice]) -> RecoveredModel:
         if key not in index_of:
             base = Material(f"recovered_{best.name}") if original is None else model.materials[original]
             filled = with_entry(base, best, choice.surface.degraded.fields, choice.family)
-            if original is not None and original not in kept:
-                kept.add(original)
+            if original is not None and original not in in_use:
+                in_use.add(original)
                 index_of[key], materials[original] = original, filled
             else:
                 name = filled.name if original is None else f"{filled.name}_{best.name}"

@@ -50,7 +50,7 @@ class OpenSurface:
 def open_surfaces(model: Model, subject: RecoverySubject) -> tuple[OpenSurface, ...]:
     """The degraded surfaces of `model`, in the order of its degraded materials and meshes.
 
-    Meshes of one material are told apart where their clues differ.
+    Meshes of one material are separate where their clues differ.
     """
     surfaces: list[OpenSurface] = []
     for degraded in degraded_materials(model):

@@ -18,7 +18,7 @@ GREY, RED = (0.8, 0.8, 0.8), (0.6, 0.05, 0.05)
 
 
 def painted(name: str, color: tuple[float, float, float], **fields: object) -> Material:
-    return replace(Material(name, base_color=color, origins={"base_color": STATED}), **fields)  # pyright: ignore[reportArgumentType]
+    return replace(Material(name, base_color=color, origins={"base_color": STATED}), **fields)
 
 
 @pytest.mark.parametrize(

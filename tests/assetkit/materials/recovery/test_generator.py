@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from assetkit.materials.recovery.generator import MOST_BYTES, MOST_OF_SURFACE, Proposals, proposals, question_of
+from assetkit.materials.recovery.generator import MOST_PROPOSAL_BYTES, MOST_OF_SURFACE, Proposals, proposals, question_of
 from assetkit.materials.recovery.recover import recover
 from assetkit.materials.recovery.surfaces import open_surfaces
 from assetkit.options import AppearanceGenerator
@@ -126,7 +126,7 @@ def test_at_most_two_materials_of_a_surface(tmp_path: Path) -> None:
         "raise SystemExit(3)",
         "import os, sys; os.symlink('/etc/passwd', sys.argv[-1])",
         "import os, sys; os.mkfifo(sys.argv[-1])",
-        f"import sys; open(sys.argv[-1], 'w').write(' ' * {MOST_BYTES + 1})",
+        f"import sys; open(sys.argv[-1], 'w').write(' ' * {MOST_PROPOSAL_BYTES + 1})",
         r"import sys; sys.stderr.write('\x1b[2J\x00' * 9999); sys.exit(1)",
         "pass",
     ],

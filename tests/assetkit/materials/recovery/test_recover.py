@@ -30,7 +30,8 @@ NAMES = st.sampled_from(("Material", "lambert1", "steel", "red paint", "oak", ""
 
 @st.composite
 def materials(draw: st.DrawFn) -> Material:
-    origins = draw(st.dictionaries(st.sampled_from((*RECOVERABLE, "emissive", "clearcoat")), ORIGINS))
+    fields: st.SearchStrategy[str] = st.sampled_from((*RECOVERABLE, "emissive", "clearcoat"))
+    origins: dict[str, Origin] = draw(st.dictionaries(fields, ORIGINS))
     lost = draw(st.sampled_from(((), ("base_color_texture",))))
     maps = draw(st.sampled_from((None, TextureUse("absent"))))
     return Material(
