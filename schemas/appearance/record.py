@@ -60,7 +60,7 @@ class RecoveredSurface(_Section):
 
     `material` is the render material as released, `fields` those of its values that were filled in, all others are the
     source's. The confidence of `family` is the probability that the family is right. `candidates` are those that were
-    drawn, best first.
+    drawn, the chosen one first.
     """
 
     material: str

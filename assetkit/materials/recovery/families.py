@@ -61,6 +61,11 @@ class FamilyChances:
         """The probability of all classes of a family together."""
         return sum(self.of_class.get(name, 0.0) for name in classes_of(family))
 
+    @property
+    def likeliest(self) -> str:
+        """The family with the highest probability; ties by name."""
+        return max({family_of(name) for name in self.of_class}, key=lambda family: (self.of_family(family), family))
+
     def evidence(self, family: str) -> Evidence[str]:
         """The family with its calibrated confidence and the clues for it; a default where there is no clue at all."""
         if not self.weighed.clues:

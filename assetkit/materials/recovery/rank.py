@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -23,6 +24,9 @@ MOST_OF_CLASS: Final = 2  # of them of one class, so that other families are loo
 _LEAST_CHANCE: Final = 1e-4  # of a class: the logarithm stays finite
 # A name that states a colour outweighs how usual the entry's colour is in its class (at most a factor of 60).
 NAMED_COLOUR: Final = 5.0
+# So does a name that holds the entry's own word (banana, marble, brass), among entries of the likeliest family only:
+# a toy brick is of plastic.
+NAMED_ENTRY: Final = 5.0
 # Pictures: at most a factor of e^0.5 for shape, e^0.4 for what looks like its neighbours, e^2 for a colour by name.
 SHAPE, CLIPPED, LIKE_NEIGHBOUR, SHOWN_COLOUR = 0.5, 1.0, -0.4, 2.0
 _FULL_CONTRAST = 0.08  # standard deviation of lightness (0..1) from which a lit shape is read without effort
@@ -58,19 +62,23 @@ class DrawnSurface:
 
 
 def shortlist(
-    chances: FamilyChances, entries: Sequence[LibraryMaterial], colour: str | None, most: int = DRAWN
+    chances: FamilyChances, entries: Sequence[LibraryMaterial], colour: str | None, names: Sequence[str] = ()
 ) -> tuple[Candidate, ...]:
-    """The `most` likeliest entries, at most `MOST_OF_CLASS` of a class, best first; ties by name."""
+    """The `DRAWN` likeliest entries, at most `MOST_OF_CLASS` of a class, best first; ties by name.
+
+    `names` are those that may hold the word of an entry.
+    """
+    words = {word for name in names for word in words_of(name)}
     most_usual: dict[str, float] = {}
     for entry in entries:
         most_usual[entry.material_class] = max(most_usual.get(entry.material_class, 0.0), entry.usual)
-    candidates = (_known(entry, chances, most_usual[entry.material_class], colour) for entry in entries)
+    candidates = (_known(entry, chances, most_usual[entry.material_class], colour, words) for entry in entries)
     taken: list[Candidate] = []
     for candidate in ranked(tuple(candidates)):
         same = [other for other in taken if other.entry.material_class == candidate.entry.material_class]
         if len(same) < MOST_OF_CLASS:
             taken.append(candidate)
-        if len(taken) == most:
+        if len(taken) == DRAWN:
             break
     return tuple(taken)
 
@@ -102,7 +110,9 @@ def stated_colour(names: Sequence[str]) -> str | None:
     return None
 
 
-def _known(entry: LibraryMaterial, chances: FamilyChances, most_usual: float, colour: str | None) -> Candidate:
+def _known(
+    entry: LibraryMaterial, chances: FamilyChances, most_usual: float, colour: str | None, words: AbstractSet[str]
+) -> Candidate:
     """The terms before any picture: its family, its class in that, the entry in its class."""
     in_family = [chances.of_class.get(name, 0.0) for name in classes_of(entry.family)]
     terms = {
@@ -114,7 +124,14 @@ def _known(entry: LibraryMaterial, chances: FamilyChances, most_usual: float, co
     }
     if colour is not None:
         terms[f"named {colour}"] = NAMED_COLOUR if basic_terms(np.array([entry.base_color]))[0] == colour else 0.0
+    if entry.family == chances.likeliest and (named := sorted(own_words_of(entry) & words)):
+        terms[f"named {named[0]}"] = NAMED_ENTRY
     return Candidate(entry, {name: round(value, 3) for name, value in terms.items()})
+
+
+def own_words_of(entry: LibraryMaterial) -> set[str]:
+    """The words of an entry's name that are neither its class or family nor a colour."""
+    return set(words_of(entry.name)) - {entry.material_class, entry.family, *BASIC_TERMS}
 
 
 def _order(candidate: Candidate) -> tuple[float, str]:

@@ -57,13 +57,14 @@ def recover(
     choices = [_choice(surface, subject.category, more) for surface, more in zip(surfaces, proposals, strict=True)]
     if draw is not None:
         choices = _looked_at(model, choices, draw)
-    return _filled_model(model, choices)
+    return _filled_model(model, _agreed(choices))
 
 
 def _choice(surface: OpenSurface, category: Evidence[str], proposals: Sequence[LibraryMaterial]) -> Choice:
     chances = family_chances(surface.clues, category)
-    listed = shortlist(chances, library(), surface.colour)
-    proposed = tuple(c for entry in proposals for c in shortlist(chances, [entry], surface.colour))
+    names = (*surface.clues.own_names, *surface.clues.of_whole[:1])
+    listed = shortlist(chances, library(), surface.colour, names)
+    proposed = tuple(c for entry in proposals for c in shortlist(chances, [entry], surface.colour, names))
     return Choice(surface, ranked((*listed, *proposed)), chances)
 
 
@@ -89,6 +90,30 @@ def _looked_at(model: Model, choices: Sequence[Choice], draw: Draw) -> list[Choi
             for candidate, drawn in zip(choice.candidates, views, strict=True)
         ]
         results.append(choice._replace(candidates=ranked(looked)))
+    return results
+
+
+def _agreed(choices: Sequence[Choice]) -> list[Choice]:
+    """The choices with one entry for surfaces of one degraded material whose best candidates are of one class.
+
+    It is that with the highest sum of scores among those that all of them weighed: a tray is not chequered.
+    """
+    groups: dict[tuple[int | None, str, str | None], list[int]] = {}
+    for number, choice in enumerate(choices):
+        best = choice.candidates[0].entry.material_class
+        groups.setdefault((choice.surface.degraded.index, best, choice.surface.colour), []).append(number)
+    results = list(choices)
+    for (_, of_class, _), members in groups.items():
+        scores = [
+            {c.entry.name: c.score for c in choices[m].candidates if c.entry.material_class == of_class}
+            for m in members
+        ]
+        common = set(scores[0]).intersection(*scores)
+        if len(members) > 1 and common:
+            entry = max(common, key=lambda name: (round(sum(each[name] for each in scores), 6), name))
+            for member in members:
+                first = sorted(choices[member].candidates, key=lambda candidate: candidate.entry.name != entry)
+                results[member] = choices[member]._replace(candidates=tuple(first))
     return results
 
 

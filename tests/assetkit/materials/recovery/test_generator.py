@@ -11,7 +11,13 @@ from typing import Any
 
 import pytest
 
-from assetkit.materials.recovery.generator import MOST_PROPOSAL_BYTES, MOST_OF_SURFACE, Proposals, proposals, question_of
+from assetkit.materials.recovery.generator import (
+    MOST_OF_SURFACE,
+    MOST_PROPOSAL_BYTES,
+    Proposals,
+    proposals,
+    question_of,
+)
 from assetkit.materials.recovery.recover import recover
 from assetkit.materials.recovery.surfaces import open_surfaces
 from assetkit.options import AppearanceGenerator

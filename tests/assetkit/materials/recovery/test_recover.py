@@ -146,6 +146,34 @@ def test_a_named_colour_chooses_the_entry() -> None:
     assert result.surfaces[0].entry == "plastic_red"
 
 
+def test_a_word_chooses_the_entry_in_the_likeliest_family_alone() -> None:
+    fruit = recover(model_of([box("body")]), subject(declared("fruit", "test"), "banana"))
+    assert fruit.surfaces[0].entry == "banana"
+    toy = recover(model_of([box("plastic_body")]), subject(declared("block", "test"), "lego_brick"))
+    assert toy.surfaces[0].family.value == "plastic"
+
+
+def test_surfaces_of_one_class_take_one_entry() -> None:
+    """The lid looks better in black, the body much better in white: both become white."""
+
+    def draw(
+        model: Model, variants: Sequence[Sequence[Material]], regions: Sequence[int]
+    ) -> list[list[DrawnSurface | None]]:
+        dark = [materials[regions[0]].base_color[0] < 0.1 for materials in variants]
+        return [
+            [
+                DrawnSurface(0.04 if is_dark else 0.03, 0.0, None, {}),
+                DrawnSurface(0.01 if is_dark else 0.08, 0.0, None, {}),
+            ]
+            for is_dark in dark
+        ]
+
+    meshes = [box("plastic_lid"), box("plastic_body", at_m=0.2)]
+    result = recover(model_of(meshes), subject(declared("block", "test")), draw)
+    assert [surface.entry for surface in result.surfaces] == ["plastic_white", "plastic_white"]
+    assert len({mesh.material for mesh in result.model.meshes}) == 1
+
+
 @pytest.mark.parametrize(("best", "expected"), [(0, "plastic_white"), (1, "plastic_black")])
 def test_pictures_choose_between_what_is_equally_likely_and_not_against_it(best: int, expected: str) -> None:
     """Black and white plastic are as usual; the one whose shape is seen wins. A metal does not win by looks."""
