@@ -46,6 +46,20 @@ class SegmenterCommand(BaseModel):
     digest: str = ""
 
 
+class AppearanceGenerator(BaseModel):
+    """A program of the user, or the http(s) address of a server, that proposes materials for degraded surfaces.
+
+    `digest` is the hash of the program's files: a changed program runs again.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    command: tuple[str, ...] = ()
+    url: str = ""
+    seconds: float = Field(default=60.0, gt=0.0, le=600.0, description="time that one object may take")
+    digest: str = ""
+
+
 class Options(BaseModel):
     """Statements about the assets (they become `declared` evidence) and the budgets of their processing."""
 
@@ -64,6 +78,10 @@ class Options(BaseModel):
     max_triangles: int = Field(default=200_000, description="visual triangles above which a mesh is reduced")
     max_texture: int | None = Field(default=None, ge=16, description="pixels a side above which textures are reduced")
     retopo: int | None = Field(default=None, ge=64, le=200_000, description="triangles of a light mesh; None: as it is")
+    recover_appearance: bool = Field(default=False, description="plausible materials where the source states none")
+    generator: AppearanceGenerator | None = Field(
+        default=None, description="a model of the user that proposes materials"
+    )
     max_objects: int = Field(default=24, description="separate objects in one file above which a person decides")
     decisions: tuple[Decision, ...] = Field(default=(), description="of people about this very source, oldest first")
     outdated: tuple[Decision, ...] = Field(default=(), description="about its earlier content; told, never used")
@@ -71,7 +89,7 @@ class Options(BaseModel):
     @property
     def calls_a_model(self) -> bool:
         """Whether a program or address of the user's is called, which may need the network."""
-        return self.endpoint is not None or self.segmenter is not None
+        return any(model is not None for model in (self.endpoint, self.segmenter, self.generator))
 
     def of_object(self, number: int) -> Options:
         """The options of one object of the source, or of the whole file with number 0: a person's decision about it

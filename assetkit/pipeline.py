@@ -26,6 +26,7 @@ from assetkit.stages.intake import ReadSource
 from assetkit.stages.interaction import ProposeParts
 from assetkit.stages.physics import AuthorPhysics
 from assetkit.stages.previews import RenderPreviews
+from assetkit.stages.recovery import RecoverAppearance
 from assetkit.stages.retopology import Retopologize
 from assetkit.stages.semantics import DescribeObject
 from assetkit.steps import Pipeline, Refinement, Retry, Step
@@ -49,6 +50,7 @@ STAGES = Pipeline(
         Step(NormalizeAppearance()),
         Step(DescribeObject(), refines=Refinement(("canonicalize",), revise_by_semantics, at_most=1)),
         Step(ProposeParts(), refines=Refinement(("canonicalize", "interaction"), revise_by_front, at_most=1)),
+        Step(RecoverAppearance()),
         Step(AuthorPhysics()),
         Step(RenderPreviews()),
         Step(AcceptPackage(), retries=Retry(REPAIRS, at_most=3)),

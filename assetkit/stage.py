@@ -183,6 +183,19 @@ class Physics:
 
 
 @dataclass(frozen=True)
+class Recovery:
+    """Materials with plausible values where the source states none that can be trusted, and the section on them.
+
+    `mesh_materials` is the index of each mesh's material, in the order of the canonical meshes; -1 without one. Only
+    pictures and packages show them: they are no evidence on the object.
+    """
+
+    materials: tuple[Material, ...]
+    mesh_materials: tuple[int, ...]
+    section: AppearanceSection
+
+
+@dataclass(frozen=True)
 class Previews:
     """PNG pictures by name; `thumbnail` is 256x256."""
 
@@ -204,7 +217,7 @@ class Acceptance:
     withdrawn_roles: tuple[str, ...] = ()
 
 
-StageResult = Retopology | Canonical | Appearance | Semantics | Interaction | Physics | Previews | Acceptance
+StageResult = Retopology | Canonical | Appearance | Semantics | Interaction | Recovery | Physics | Previews | Acceptance
 R = TypeVar("R", bound=StageResult)
 # The field of a draft that holds a result of each type; it bears the name of the stage that makes it.
 RESULT_FIELDS: dict[type[StageResult], str] = {
@@ -213,6 +226,7 @@ RESULT_FIELDS: dict[type[StageResult], str] = {
     Appearance: "appearance",
     Semantics: "semantics",
     Interaction: "interaction",
+    Recovery: "recovery",
     Physics: "physics",
     Previews: "previews",
     Acceptance: "acceptance",
@@ -252,6 +266,7 @@ class Draft:
     appearance: Appearance | None = None
     semantics: Semantics | None = None
     interaction: Interaction | None = None
+    recovery: Recovery | None = None
     physics: Physics | None = None
     previews: Previews | None = None
     acceptance: Acceptance | None = None
@@ -285,9 +300,15 @@ class Draft:
     def model(self) -> Model:
         """The model as far as it has come: canonical meshes and final materials where they exist."""
         source = self.item.model
+        meshes = self.canonicalize.meshes if self.canonicalize else source.meshes
+        materials = self.appearance.materials if self.appearance else source.materials
+        if self.recovery is not None:
+            pairs = zip(meshes, self.recovery.mesh_materials, strict=True)
+            meshes = tuple(replace(mesh, material=index if index >= 0 else None) for mesh, index in pairs)
+            materials = self.recovery.materials
         return Model(
-            meshes=self.canonicalize.meshes if self.canonicalize else source.meshes,
-            materials=self.appearance.materials if self.appearance else source.materials,
+            meshes=meshes,
+            materials=materials,
             textures=self.appearance.textures if self.appearance else source.textures,
             nodes=source.nodes,
             meters_per_unit=source.meters_per_unit,

@@ -71,7 +71,7 @@ def actor(surface: ShadedSurface, textures: TextureSet) -> vtkActor:
     for old, new in fragment_replacements(material, slots, components):
         shader.AddFragmentShaderReplacement(old, old.startswith("//VTK"), new, True)
     shader.GetFragmentCustomUniforms().SetUniform3f("manaEmissive", material.emissive)
-    _set_material(result, material, slots)
+    set_material(result, material, slots)
     return result
 
 
@@ -86,7 +86,8 @@ def plain_actor(parts: tuple[ShadedSurface, ...], color: tuple[float, float, flo
     return result
 
 
-def _set_material(target: vtkActor, material: Material, slots: tuple[TextureSlot, ...]) -> None:
+def set_material(target: vtkActor, material: Material, slots: tuple[TextureSlot, ...] = ()) -> None:
+    """Give an actor the plain values of a material; its pictures, emission and alpha mode stay."""
     surface = target.GetProperty()
     surface.SetInterpolationToPBR()
     surface.SetColor(*material.base_color)

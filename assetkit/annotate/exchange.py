@@ -33,13 +33,13 @@ _CHUNK = 2**16
 
 
 class Post(BaseModel):
-    """A request. The key goes into `key_header` behind `key_prefix`; `seconds` bounds each attempt."""
+    """A request. The key goes into `key_header`, if any, behind `key_prefix`; `seconds` bounds each attempt."""
 
     model_config = ConfigDict(frozen=True)
 
     url: str
     body: dict[str, Any]
-    key_header: str
+    key_header: str = ""
     key_prefix: str = ""
     seconds: float
     wait_s: float = 1.0
@@ -97,7 +97,7 @@ def exchange(post: Post, key: str) -> Reply:
 def _attempt(post: Post, key: str) -> tuple[Reply, float | None]:
     """The reply, and the seconds of `Retry-After` where the endpoint sends it."""
     headers = {"Content-Type": "application/json", "Accept": "application/json"}
-    if key:
+    if key and post.key_header:
         headers[post.key_header] = post.key_prefix + key
     request = urllib.request.Request(post.url, json.dumps(post.body).encode(), headers, method="POST")
     deadline = time.monotonic() + post.seconds

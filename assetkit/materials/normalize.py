@@ -12,6 +12,7 @@ from assetkit.materials.baked_lighting import baked_lighting, suspicion
 from assetkit.materials.material_records import material_records
 from assetkit.materials.normal_maps import GreenDirection, with_green_up
 from assetkit.materials.ranges import Change, limited
+from assetkit.materials.recovery.degraded import degraded_surfaces
 from assetkit.materials.surface_colours import surface_colours
 from assetkit.materials.texel_density import texel_density
 from assetkit.materials.texture_budget import Resampled, within_budget
@@ -58,7 +59,7 @@ def normalize(
     diagnostics += [_smaller(change, max_texture) for change in reduced]
     repairs += [_resampling(change) for change in reduced]
     released = replace(model, materials=split, textures=tuple(pictures.values()))
-    section, notes = _section(released)
+    section, notes = appearance_section(released)
     return Outcome(Appearance(released.materials, released.textures, section), (*diagnostics, *notes), tuple(repairs))
 
 
@@ -89,7 +90,7 @@ def in_metres(material: Material, meters_per_unit: Evidence[float] | None) -> Ma
     return replace(material, volume=volume, origins=origins)
 
 
-def _section(model: Model) -> tuple[AppearanceSection, tuple[Diagnostic, ...]]:
+def appearance_section(model: Model) -> tuple[AppearanceSection, tuple[Diagnostic, ...]]:
     """The section on the materials and textures that are released, and what was found on them."""
     records, dropped = material_records(model)
     lighting = baked_lighting(model)
@@ -101,6 +102,7 @@ def _section(model: Model) -> tuple[AppearanceSection, tuple[Diagnostic, ...]]:
         render_materials=records,
         texels_per_m=texel_density(model),
         baked_lighting=lighting,
+        degraded=degraded_surfaces(model),
     )
     return section, (*dropped, *check_coordinates(model), *suspicion(lighting))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -81,6 +82,26 @@ def face_materials(
     return tuple(materials), tuple(of_face.values())
 
 
+@dataclass(frozen=True)
+class MaterialChances:
+    """Probabilities (k,) of the classes `class_names()`, and the factors (k,) of the clues behind them, in words.
+
+    is_usual  whether usual materials of the part or thing are among the clues; is_named  whether a name is.
+    """
+
+    chances: FloatArray
+    clues: Mapping[str, FloatArray]
+    is_usual: bool
+    is_named: bool
+
+    def deciding(self, members: Sequence[str]) -> tuple[str, ...]:
+        """The clues for the classes `members` together, the strongest first."""
+        index = [class_names().index(name) for name in members]
+        lifts = {clue: _lift(row, index) for clue, row in self.clues.items()}
+        ranked = sorted(lifts, key=lambda clue: (-lifts[clue], clue))
+        return tuple(clue for clue in ranked if lifts[clue] > _MIN_LIKELIHOOD_RATIO)
+
+
 def material_of(
     appearance: SurfaceAppearance,
     category: Evidence[str],
@@ -93,6 +114,28 @@ def material_of(
 
     `metal` when it is one of several metals. The method names the clues that decided, the strongest first.
     """
+    weighed = material_chances(appearance, category, label=label, own_names=own_names, of_whole=of_whole)
+    value, chance, rival = _best(weighed.chances)
+    known = weighed.is_usual or weighed.is_named
+    if chance < (MIN_CHANCE if known else MIN_CHANCE_BY_APPEARANCE) or chance < MIN_LEAD * rival:
+        return default(UNKNOWN, "neither names nor looks tell one material")
+    method = "; ".join(weighed.deciding(METALS if value == METAL else (value,)))
+    return inferred(value, method, min(chance, _MAX_CONFIDENCE))
+
+
+def material_chances(
+    appearance: SurfaceAppearance,
+    category: Evidence[str],
+    *,
+    label: str = "",
+    own_names: Sequence[str] = (),
+    of_whole: Sequence[str] = (),
+    further: Mapping[str, FloatArray] | None = None,
+) -> MaterialChances:
+    """The probability of each class, by Bayes' rule from the same evidence as `material_of`.
+
+    `further` are factors (k,) of other clues, in words.
+    """
     words = tuple(word for name in own_names for word in words_of(name))
     usual, prior_text = material_prior(category.value if category.confidence > 0.0 else "", label, words)
     prior = household_prior()
@@ -103,18 +146,9 @@ def material_of(
     filled = usual is not None and usual[class_names().index(CONTENTS)] == 0.0
     samples = ((own_names, _OWN_NAME), (of_whole[:1], _FILE_NAME), (of_whole[1:], _FOLDER_NAME))
     named = next(filter(None, (_name_factors(names, sure, filled=filled) for names, sure in samples)), {})
-    clues |= named | _appearance_factors(appearance)
+    clues |= named | _appearance_factors(appearance) | dict(further or {})
     chances = household_prior() * np.prod(list(clues.values()), axis=0) if clues else household_prior()
-    chances = chances / chances.sum()
-    value, chance, rival = _best(chances)
-    if chance < (MIN_CHANCE if usual is not None or named else MIN_CHANCE_BY_APPEARANCE) or chance < MIN_LEAD * rival:
-        return default(UNKNOWN, "neither names nor looks tell one material")
-    members = METALS if value == METAL else (value,)
-    index = [class_names().index(name) for name in members]
-    lifts = {clue: _lift(row, index) for clue, row in clues.items()}
-    deciding = sorted(lifts, key=lambda clue: (-lifts[clue], clue))
-    method = "; ".join(clue for clue in deciding if lifts[clue] > _MIN_LIKELIHOOD_RATIO)
-    return inferred(value, method, min(chance, _MAX_CONFIDENCE))
+    return MaterialChances(chances / chances.sum(), clues, usual is not None, bool(named))
 
 
 def _lift(row: FloatArray, index: Sequence[int]) -> float:

@@ -67,8 +67,8 @@ def finish(draft: Draft, log: StageLog, tools: Tools) -> Package:
 
 def _results(draft: Draft) -> tuple[object, ...]:
     """All that the content of a package is made of, but for grasps."""
-    results = (draft.canonicalize, draft.appearance, draft.semantics, draft.interaction, draft.physics, draft.previews)
-    return (draft.intake, *results)
+    results = (draft.canonicalize, draft.appearance, draft.semantics, draft.interaction, draft.recovery)
+    return (draft.intake, *results, draft.physics, draft.previews)
 
 
 def publish(folder: Path, target: Path) -> Diagnostic | None:
@@ -141,7 +141,7 @@ def _record(draft: Draft, log: StageLog, hashes: Mapping[str, str]) -> AssetReco
             source_names=source_names(draft.model),
         ),
         geometry=canonical.section,
-        appearance=draft[Appearance].section,
+        appearance=draft.recovery.section if draft.recovery else draft[Appearance].section,
         semantics=_with_interaction(draft),
         parts=draft[Interaction].parts,
         affordances=draft[Acceptance].affordances,

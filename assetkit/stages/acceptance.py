@@ -31,6 +31,7 @@ from assetkit.stage import (
     Interaction,
     Physics,
     Previews,
+    Recovery,
     Semantics,
     Stage,
     Tools,
@@ -50,7 +51,7 @@ class AcceptPackage(Stage):
     name = "acceptance"
     version = 13
     result = Acceptance
-    reads = (Canonical, Appearance, Semantics, Interaction, Physics, Previews)
+    reads = (Canonical, Appearance, Semantics, Interaction, Recovery, Physics, Previews)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Acceptance]:
         """Validator verdicts, gate findings, simulator figures of the package on disk; anchors and grasps tried on it.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from assetkit.package.preview_images import render_previews
-from assetkit.stage import Appearance, Canonical, Draft, Interaction, Physics, Previews, Stage, Tools
+from assetkit.stage import Appearance, Canonical, Draft, Interaction, Physics, Previews, Recovery, Stage, Tools
 from schemas.outcome import Outcome
 
 
@@ -13,7 +13,7 @@ class RenderPreviews(Stage):
     name = "previews"
     version = 3
     result = Previews
-    reads = (Canonical, Appearance, Interaction, Physics)
+    reads = (Canonical, Appearance, Interaction, Recovery, Physics)
 
     def run(self, draft: Draft, tools: Tools) -> Outcome[Previews]:
         """PNG bytes by name."""

@@ -58,7 +58,7 @@ def rows(assets: Path, *, only: str = "", stated: bool = False, stripped: bool =
     for (path, up_axis, category), group in itertools.groupby(
         table, lambda r: (r["path"], r["up_axis"], r["category"])
     ):
-        draft = _draft(*located(assets, path), up_axis)
+        draft = canonical_draft(*located(assets, path), up_axis)
         truth_meshes, truth_materials = draft.model.meshes, [m.name for m in draft.model.materials]
         if stripped:
             bare = stripped_of(draft)
@@ -74,14 +74,15 @@ def rows(assets: Path, *, only: str = "", stated: bool = False, stripped: bool =
         chosen = np.concatenate(of_face)
         area = np.concatenate([triangle_areas(m.points[m.triangles]) for m in meshes.values()])
         for row in group:
-            inside = _region(row["region"], truth_meshes, truth_materials)
+            inside = region_mask(row["region"], truth_meshes, truth_materials)
             assert inside.any(), f"{path}: nothing is in {row['region']}"
             most = int(np.bincount(chosen[inside], area[inside], len(evidence)).argmax())
             yield Row(path, row["region"], row["material"], evidence[most]), seconds
             seconds = 0.0
 
 
-def _draft(file: Path, root: Path, up_axis: str) -> Draft:
+def canonical_draft(file: Path, root: Path, up_axis: str) -> Draft:
+    """The object of a file as far as its appearance."""
     options = Options.model_validate({"up_axis": up_axis})
     item = object_of(file, options, root)
     canonical = canonicalize(item, file.name, options).value
@@ -89,7 +90,7 @@ def _draft(file: Path, root: Path, up_axis: str) -> Draft:
     return Draft("it", file.name, item, canonicalize=canonical, appearance=normalize(item.model).value)
 
 
-def _region(text: str, meshes: tuple[Mesh, ...], materials: list[str]) -> IntArray:
+def region_mask(text: str, meshes: tuple[Mesh, ...], materials: list[str]) -> IntArray:
     """(m,) True at the triangles of the region, counted through all meshes."""
     kind, _, rest = text.partition(" ")
     if kind in ("mesh", "material"):

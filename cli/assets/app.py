@@ -17,7 +17,7 @@ from assetkit.batch.item_cells import default_jobs
 from assetkit.batch.report_file import REPORT
 from assetkit.batch.run_batch import ingest
 from assetkit.batch.suite_rows import withdrawn_roles
-from assetkit.options import Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
+from assetkit.options import AppearanceGenerator, Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
 from assetkit.package.record import RECORD, read_record
 from cli import text
 from cli.assets.accept import accept_command, show_exercised, show_suites
@@ -69,6 +69,16 @@ def ingest_command(
     retopo: Annotated[
         int | None, typer.Option("--retopo", min=64, help="Triangles of a light mesh with baked maps; none by default.")
     ] = None,
+    recover_appearance: Annotated[
+        bool,
+        typer.Option(
+            "--recover-appearance", help="Plausible materials on surfaces that state none; marked as inferred."
+        ),
+    ] = False,
+    appearance_generator: Annotated[
+        str | None, typer.Option(help="A program of yours, or an http address, that proposes such materials.")
+    ] = None,
+    generator_timeout: Annotated[float, typer.Option(help="Seconds it may take for one object.")] = 60.0,
     annotator_url: Annotated[
         str | None,
         typer.Option(help="Base address of a model that is shown the pictures, e.g. https://api.openai.com/v1."),
@@ -126,6 +136,10 @@ def ingest_command(
         category=category,
         require_category=require_category,
         endpoint=endpoint,
+        recover_appearance=recover_appearance or appearance_generator is not None,
+        generator=None
+        if appearance_generator is None
+        else generator_stated(appearance_generator, generator_timeout, timeout),
         segmenter=None if segmenter is None else segmenter_stated(segmenter, segmenter_timeout, timeout),
         license=license_,
         author=author,
@@ -178,6 +192,20 @@ def segmenter_stated(command: str, seconds: float, timeout: float) -> SegmenterC
     if not 0.0 < seconds < timeout:
         raise typer.BadParameter("must be above zero and below --timeout", param_hint="--segmenter-timeout")
     return SegmenterCommand(command=program.command, seconds=seconds, digest=program.digest)
+
+
+def generator_stated(text: str, seconds: float, timeout: float) -> AppearanceGenerator:
+    """The generator that `--appearance-generator` names. Raises typer.BadParameter for what cannot be used."""
+    remote = text.startswith(("http://", "https://"))
+    if not 0.0 < seconds <= 600.0 or (worst_seconds(seconds) if remote else seconds) >= timeout:
+        raise typer.BadParameter("must be above zero and end before --timeout", param_hint="--generator-timeout")
+    if remote:
+        try:
+            return AppearanceGenerator(url=Endpoint(url=text, model="generator").url, seconds=seconds)
+        except ValidationError as error:
+            raise typer.BadParameter(error.errors()[0]["msg"], param_hint="--appearance-generator") from None
+    program = program_stated(text, "--appearance-generator")
+    return AppearanceGenerator(command=program.command, seconds=seconds, digest=program.digest)
 
 
 app.command("accept")(accept_command)

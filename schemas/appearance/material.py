@@ -133,8 +133,9 @@ class Material:
     `dispersion` is 20 divided by the Abbe number (KHR_materials_dispersion). `unlit` surfaces show their base colour
     whatever the light. `normal_green` is whether the source defines that green of its normal maps is up along v
     (OpenGL's way, which all maps of released materials have), or leaves it open. `origins` gives the origin of values
-    by field, of layers as "sheen.color". `unmapped` keeps every source property that has no field here, as plain JSON,
-    so that nothing is lost silently.
+    by field, of layers as "sheen.color". `lost_textures` are the fields whose picture the source names but that could
+    not be had. `unmapped` keeps every source property that has no field here, as plain JSON, so that nothing is lost
+    silently.
     """
 
     name: str
@@ -174,6 +175,7 @@ class Material:
     unlit: bool = False
     origins: Mapping[str, Origin] = field(default_factory=dict[str, Origin])
     unmapped: dict[str, Any] = field(default_factory=dict[str, Any])
+    lost_textures: tuple[str, ...] = ()
 
     @property
     def texture_uses(self) -> dict[str, TextureUse]:

@@ -19,7 +19,7 @@ from schemas.appearance.material import (
 )
 from schemas.appearance.record import Optics
 
-_NOT_OPTICAL = ("name", "normal_green", "origins", "unmapped")
+_NOT_OPTICAL = ("name", "normal_green", "origins", "unmapped", "lost_textures")
 _LEAST_DISPERSION = 1e-3  # an Abbe number of 20000, hundreds of times that of any glass
 _LAYERS: dict[str, type] = {
     "specular": Specular,

@@ -139,6 +139,18 @@ SHAPE_CODES: dict[str, CodeInfo] = {
         "The surface has no stated look; a neutral grey is used.",
         "put the .mtl file beside the asset",
     ),
+    "asset/appearance-recovered": CodeInfo(
+        "info",
+        "A surface without a trustworthy appearance got plausible values",
+        "Its look is inferred from names, category and shape, or the most usual one; it is no evidence on the object.",
+        "state the material in the source, or leave `--recover-appearance` out; see `appearance.recovered`",
+    ),
+    "asset/appearance-generator-failed": CodeInfo(
+        "warning",
+        "The generator of materials gave no usable answer, or proposals of its answer were left out",
+        "Degraded surfaces are filled in from the library alone, or from what is left.",
+        "check the answer against the form in docs/explanation/appearance-recovery.md",
+    ),
     "asset/invalid-material-value": CodeInfo(
         "warning",
         "A material value cannot be read or is out of range",

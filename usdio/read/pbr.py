@@ -127,6 +127,7 @@ class MaterialConversion:
             anisotropy=self._anisotropy(),
             iridescence=self._iridescence(),
             unmapped={**unmapped, **self._unmapped_inputs},
+            lost_textures=("base_color_texture",) if base_map is None and self._image("base_color") else (),
         )
         return replace(converted, origins=self._origins(converted))
 

@@ -72,6 +72,7 @@ def read_material(
         double_sided=any((e.text or "").strip() == "1" for e in effect.iter("double_sided")),
         ior=ior_or_default(floats.get("index_of_refraction")),
         unmapped=_unmapped(shader, colors, floats, uses),
+        lost_textures=("base_color_texture",) if shader.find("diffuse/texture") is not None and not base else (),
     )
     tags = [*colors, *floats, *uses, *(["double_sided"] if result.double_sided else [])]
     stated = {tag: f"{shader.tag}: {tag}" for tag in tags}

@@ -16,6 +16,8 @@ from schemas.evidence import BY_STANDARD
 class MaterialValues:
     """The values of one material. `origins` holds that of every field that was read, `notes` what was wrong.
 
+    `lost` are the fields whose picture could not be had.
+
     A property that the file leaves out has the value of the standard, which is sure only by half: exporters leave out
     what they do not know.
     """
@@ -24,6 +26,7 @@ class MaterialValues:
         self._textures = textures
         self.origins: dict[str, Origin] = {}
         self.notes = Notes()
+        self.lost: list[str] = []
 
     def fraction(self, json: Json, key: str, default: float, field: str) -> float:
         """A number in 0..1; one outside is limited, with a finding."""
@@ -52,6 +55,7 @@ class MaterialValues:
         info = json.get(key)
         sampled = self._textures.use(info, channel, scale=scale, bias=bias)
         if sampled is None:
+            self.lost += [] if info is None else [field]
             return None
         self.declare(field, _path(json, key))
         return sampled[0]

@@ -42,7 +42,7 @@ def read_material(material: Json, name: str, textures: Textures) -> tuple[Materi
     if names:
         headline = f"material '{name}': {names} kept in the record only"
         notes += Notes((finding("asset/material-extension-fallback", headline, where=material.where),))
-    return replace(result, origins=values.origins, unmapped=unmapped), notes
+    return replace(result, origins=values.origins, unmapped=unmapped, lost_textures=tuple(values.lost)), notes
 
 
 def _core(material: Json, values: MaterialValues, textures: Textures, base: Material) -> Material:

@@ -143,6 +143,7 @@ def _material(block: _Block, folder: Path, textures: TextureTable) -> tuple[Mate
         sheen=_sheen(values),
         anisotropy=_anisotropy(values),
         unmapped=_unmapped(block, values, taken),
+        lost_textures=("base_color_texture",) if "map_kd" in block.statements and not base else (),
     )
     return replace(material, origins=_origins(material, block, maps, metal=metal is not None)), notes + opacity_notes
 

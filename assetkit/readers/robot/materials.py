@@ -60,7 +60,8 @@ def stated_material(described: DescribedMaterial, texture_of: Callable[[str], Te
             unmapped[f"layer {role}"] = file
         elif (use := texture_of(file)) is not None:
             material = _with_layer(material, role, use)
-    return replace(material, origins=_origins(material, described), unmapped=unmapped)
+    lost = ("base_color_texture",) if described.texture and material.base_color_texture is None else ()
+    return replace(material, origins=_origins(material, described), unmapped=unmapped, lost_textures=lost)
 
 
 def _roughness(described: DescribedMaterial) -> float:

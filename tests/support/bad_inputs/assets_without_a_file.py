@@ -16,6 +16,8 @@ NOT_FROM_A_FILE: dict[str, str] = {
     "asset/library-owner-dangling": "tests/assetkit/library/test_doctor.py",
     "asset/library-catalog-stale": "tests/assetkit/library/test_doctor.py",
     "asset/baked-lighting-suspected": "tests/assetkit/materials/test_baked_lighting.py",
+    "asset/appearance-recovered": "tests/assetkit/stages/test_recovery.py",
+    "asset/appearance-generator-failed": "tests/assetkit/materials/recovery/test_generator.py",
     "asset/retopology": "tests/assetkit/retopo/test_retopologize.py",
     "asset/retopology-unlike-source": "tests/assetkit/retopo/test_retopologize.py",
     "asset/retopology-skipped": "tests/assetkit/retopo/test_retopologize.py",

@@ -1,0 +1,1 @@
+"""Tests of `assetkit.materials.recovery`: what is degraded, what is filled in, and what never changes."""

@@ -1,0 +1,1 @@
+"""Tests of `render.variants`: one model under several sets of materials."""
