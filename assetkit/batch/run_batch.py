@@ -96,5 +96,5 @@ def run_batch(candidates: Sources, batch: Batch, progress: Progress | None = Non
         totals = finished.totals(wall_seconds=time.monotonic() - started)
         result = FinishedBatch(batch.out, totals, finished.reasons(), interrupted)
         write_report(result, finished)
-    catalog.rebuild(batch.out)
+    catalog.update(batch.out)
     return result

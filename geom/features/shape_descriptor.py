@@ -14,6 +14,7 @@ from schemas.shape_descriptor import ShapeDescriptor
 
 PAIRS = 16384  # Of points: the sampling error of a quantile is about 1 / sqrt(PAIRS), 0.8 % of the spread.
 QUANTILES = 16  # Enough to separate distributions of different modes; 64 separate no pair of assets that 16 do not.
+MOMENTS = 5  # second and third moments, the first figures of a vector
 DIGITS = 5  # Stored: finer than the sampling error of quantiles by two orders.
 
 # Rule of degree 3 on a triangle with four points (Strang and Fix 1973): barycentric coordinates and weights.
@@ -49,14 +50,19 @@ def shape_descriptor(points: FloatArray, triangles: IntArray, seed: int = 0) -> 
     )
 
 
-def descriptor_distance(a: ShapeDescriptor, b: ShapeDescriptor) -> float:
-    """The largest of the differences of second moments, third moments and the mean difference of the quantiles, which
-    is the Wasserstein distance of the two D2 distributions. Scale does not count, and a
-    mirror image has distance 0 but for sampling.
+def vector_of(shape: ShapeDescriptor) -> FloatArray:
+    """(MOMENTS + QUANTILES,) the figures that do not depend on scale: second moments, third moments, quantiles."""
+    return np.array([*shape.second_moments, *shape.third_moments, *shape.distances])
+
+
+def descriptor_distances(vector: FloatArray, others: FloatArray) -> FloatArray:
+    """(k,) distances of a vector (`vector_of`) to others (k, MOMENTS + QUANTILES).
+
+    Each is the largest of the differences of moments and of the mean difference of quantiles, which is the Wasserstein
+    distance of the two D2 distributions. A mirror image has distance 0 but for sampling.
     """
-    moments = np.abs(np.subtract((*a.second_moments, *a.third_moments), (*b.second_moments, *b.third_moments)))
-    quantiles = np.abs(np.subtract(a.distances, b.distances)).mean()
-    return float(max(moments.max(), quantiles))
+    off = np.abs(others - vector)
+    return np.maximum(off[:, :MOMENTS].max(axis=1), off[:, MOMENTS:].mean(axis=1))
 
 
 def _distance_quantiles(points: FloatArray, triangles: IntArray, seed: int) -> FloatArray:
