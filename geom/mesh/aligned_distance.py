@@ -91,12 +91,12 @@ def _unit_surface(points: FloatArray, triangles: IntArray) -> _UnitSurface:
     centre = weights @ points[triangles].mean(axis=1)
     corners = points[triangles] - centre
     vectors = (*np.moveaxis(corners, 1, 0), corners.sum(axis=1))
-    second = np.sum([np.einsum("i,ij,ik->jk", weights, v, v) for v in vectors], axis=0) / 12.0
-    scale = float(np.sqrt(np.trace(second)))
+    second: FloatArray = np.einsum("i,vij,vik->jk", weights, np.stack(vectors), np.stack(vectors)) / 12.0
+    scale = float(np.linalg.norm(np.sqrt(np.diag(second))))
     if not scale > 0.0:
         raise ValueError("the surface has no area to align")
     moments, axes = np.linalg.eigh(second / scale**2)
-    moments, axes = moments[::-1], axes[:, ::-1].copy()
+    moments, axes = moments[::-1], axes[:, ::-1].copy()  # Largest first.
     if np.linalg.det(axes) < 0.0:
         axes[:, 2] *= -1.0
     return _UnitSurface((points - centre) / scale, triangles, scale, moments, axes)
@@ -139,19 +139,20 @@ def _icp(
     samples: FloatArray, R: FloatArray, target: NearestOnSurface, normals: FloatArray
 ) -> tuple[FloatArray, FloatArray, float]:
     """Rotation (3, 3), translation (3,) and the mean distance of the samples (k, 3) after it; never worse than `R`."""
-    t = np.zeros(3)
-    best = (R, t, np.inf)
+    turned, t = R, np.zeros(3)
+    best = (turned, t, np.inf)
     for _ in range(ICP_STEPS):
-        placed = samples @ R.T + t
+        placed = samples @ turned.T + t
         nearest, index = target(placed)
         off = placed - nearest
         mean = float(np.linalg.norm(off, axis=1).mean())
         if mean < best[2]:
-            best = (R, t, mean)
+            best = (turned, t, mean)
         n = normals[index]
-        step, *_ = np.linalg.lstsq(np.hstack([np.cross(placed, n), n]), -np.einsum("ij,ij->i", off, n), rcond=1e-9)
+        along = np.einsum("ij,ij->i", off, n)
+        step: FloatArray = -np.linalg.pinv(np.hstack([np.cross(placed, n), n]), rcond=1e-9) @ along
         if np.abs(step).max() < _STILL:
             break
-        turn = Rotation.from_rotvec(step[:3]).as_matrix()
-        R, t = turn @ R, turn @ t + step[3:]
+        turn: FloatArray = Rotation.from_rotvec(step[:3]).as_matrix()
+        turned, t = turn @ turned, turn @ t + step[3:]
     return best

@@ -24,9 +24,12 @@ def evidence(value: object, confidence: float) -> dict[str, Any]:
 
 
 def random_record(draw: Random, asset_id: str) -> dict[str, Any]:
-    """A record with values of every kind that the catalog takes over, most of them from short lists so that they meet."""
+    """A record with values of every kind that the catalog holds, most of them from short lists so that they meet."""
     record = json.loads(SAMPLE.read_text()) | {"asset_id": asset_id}
-    sure = lambda: draw.choice((0.0, 0.3, 0.5, 0.9, 1.0))  # noqa: E731
+
+    def sure() -> float:
+        return draw.choice((0.0, 0.3, 0.5, 0.9, 1.0))
+
     record["outcome"] = draw.choice(("accepted", "repaired", "review"))
     category = draw.choice(CATEGORIES)
     semantics = record["semantics"]
@@ -41,11 +44,12 @@ def random_record(draw: Random, asset_id: str) -> dict[str, Any]:
     record["physics"]["joints"] = [
         evidence({"name": f"j{k}", "type": draw.choice(JOINTS)}, 1.0) for k in range(draw.randrange(3))
     ]
-    record["appearance"]["colours"] = {c: draw.choice((0.05, 0.2, 0.7)) for c in draw.sample(COLOURS, draw.randrange(3))}
+    record["appearance"]["colours"] = {c: draw.choice((0.05, 0.2)) for c in draw.sample(COLOURS, draw.randrange(3))}
     edges = [draw.choice((0.05, 0.1, 0.3)) for _ in range(3)]
     record["geometry"]["extent_m"] = evidence(edges, sure())
     record["source"]["license"] = evidence(draw.choice(("CC0-1.0", "CC-BY-4.0", "unknown")), sure())
-    record["anchors"] = [evidence(anchor(kind), sure()) for kind in draw.sample(("surface", "volume"), draw.randrange(3))]
+    kinds = draw.sample(("surface", "volume"), draw.randrange(3))
+    record["anchors"] = [evidence(anchor(kind), sure()) for kind in kinds]
     record["affordances"] = [evidence(region(*draw.choice(TASKS)), sure()) for _ in range(draw.randrange(3))]
     if draw.random() < 0.7:
         record["geometry"]["shape"] = shape(draw)
@@ -70,9 +74,8 @@ def anchor(kind: str) -> dict[str, Any]:
         shown = {"polygon": square, "normal": (0, 0, 1), "area_m2": 1.0, "clearance_m": None, "load_directions": []}
         return {"kind": kind, "anchor_id": "top", "position_m": (0, 0, 0), **shown}
     figures = {"height_m": 0.1, "volume_m3": 3e-4, "passes_m": 0.05, "slices": []}
-    return {
-        "kind": kind, "anchor_id": "inside", "position_m": (0, 0, 0), "opening": square, "direction": (0, 0, 1), **figures
-    }  # fmt: skip
+    place = {"position_m": (0, 0, 0), "opening": square, "direction": (0, 0, 1)}
+    return {"kind": kind, "anchor_id": "inside", **place, **figures}
 
 
 def region(kind: str, task: str, interaction: str) -> dict[str, Any]:

@@ -33,15 +33,13 @@ _FIGURES = {
 
 
 def criterion_sql(db: sqlite3.Connection, criterion: Criterion) -> Sql:
-    """A query with the columns `key` and `confidence`, and its values. An asset may come twice; the higher row counts."""
+    """A query with the columns `key` and `confidence`, and its values; of two rows of an asset the higher counts."""
     sql, values = _positive(db, criterion)
     if not criterion.negated:
         return sql, values
     known = _known(criterion)
-    return (
-        f"SELECT key, {NOT_CONTRADICTED} AS confidence FROM assets WHERE {known} AND key NOT IN (SELECT key FROM ({sql}))",
-        values,
-    )
+    others = f"SELECT key, {NOT_CONTRADICTED} AS confidence FROM assets WHERE {known}"
+    return f"{others} AND key NOT IN (SELECT key FROM ({sql}))", values
 
 
 def match_expression(column: str, words: Sequence[str], criterion: Criterion) -> str:

@@ -54,7 +54,7 @@ def listing(out: Path, chosen: Selection = ALL) -> list[dict[str, object]]:
         *_conditions(
             chosen,
             {
-                name: f"EXISTS (SELECT 1 FROM traits t WHERE t.key = assets.key AND t.field = '{field}' AND t.value = ?)"
+                name: f"EXISTS (SELECT 1 FROM traits t WHERE t.key = assets.key AND field = '{field}' AND value = ?)"
                 for name, field in _TRAITS.items()
             },
         ),

@@ -102,6 +102,6 @@ def _usable(shape: ShapeDescriptor) -> bool:
 
 
 def _shape(record: AssetRecord, shape: ShapeDescriptor) -> Row:
-    """Digest and scale of the descriptor, the digest of the files that hold the geometry, and the descriptor's vector."""
+    """Digest and scale of the descriptor, the digest of the files with the geometry, and the descriptor's vector."""
     files = {name: sha for name, sha in record.hashes.items() if name.endswith(_GEOMETRY_FILES)}
     return (digest_of(shape), shape.scale_m, content_key(sorted(files.items())), vector_of(shape).tobytes())

@@ -91,7 +91,7 @@ def _score(key: int, criteria: Sequence[Criterion], sets: Mapping[Criterion, Con
 
 
 def _ranked(db: sqlite3.Connection, scores: Mapping[int, float], limit: int) -> list[int]:
-    """The first `limit` keys by score, highest first, then by asset id; ids are read of those alone that may be shown."""
+    """The first `limit` keys by score, highest first, then by asset id; only ids that may be shown are read."""
     last = nsmallest(limit, (-score for score in scores.values()))
     if not last:
         return []

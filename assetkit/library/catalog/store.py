@@ -84,6 +84,11 @@ def reading(out: Path) -> Iterator[sqlite3.Connection]:
         raise unreadable(str(error)) from error
 
 
+def writable(out: Path) -> sqlite3.Connection:
+    """The catalog of `out`, which `update` has made, opened for writing; each statement is a transaction."""
+    return _writable(out / CATALOG)
+
+
 def fingerprints(out: Path) -> dict[str, str]:
     """The SHA-256 of the record of each asset, as it was when its rows were written. Raises as `reading`."""
     with reading(out) as db:

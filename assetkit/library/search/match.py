@@ -116,8 +116,8 @@ def _colour(criterion: Criterion, asset: Facts) -> Match:
 def _figure(criterion: Criterion, field: str, value: float, confidence: float, unit: str) -> Match:
     """A figure within the limits; one of confidence 0 (a placeholder) still counts a little."""
     inside = criterion.low <= value <= criterion.high
-    sureness = f"{confidence:.0%} sure"
-    return Match(criterion, field, f"{value:.4g} {unit}", max(confidence, PLACEHOLDER_FIGURE) if inside else 0.0, sureness)
+    weight = max(confidence, PLACEHOLDER_FIGURE) if inside else 0.0
+    return Match(criterion, field, f"{value:.4g} {unit}", weight, f"{confidence:.0%} sure")
 
 
 def _anchor(criterion: Criterion, asset: Facts, kind: str) -> Match:
