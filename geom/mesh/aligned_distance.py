@@ -76,12 +76,10 @@ def aligned_distance(
         np.linalg.norm(NearestOnSurface(a.points, a.triangles)(back)[0] - back, axis=1),
     ]
     diagonal = float(np.linalg.norm(np.ptp(a.points[np.unique(a.triangles)], axis=0)))
-    mean, p95, most = (max(float(f(way)) for way in ways) / diagonal for f in (np.mean, _p95, np.max))
-    return AlignedDistance(b.scale / a.scale, R, mean, p95, most)
-
-
-def _p95(values: FloatArray) -> float:
-    return float(np.percentile(values, P95))
+    mean = max(float(way.mean()) for way in ways)
+    p95 = max(float(np.percentile(way, P95)) for way in ways)
+    largest = max(float(way.max()) for way in ways)
+    return AlignedDistance(b.scale / a.scale, R, mean / diagonal, p95 / diagonal, largest / diagonal)
 
 
 def _unit_surface(points: FloatArray, triangles: IntArray) -> _UnitSurface:

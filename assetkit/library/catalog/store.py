@@ -221,14 +221,28 @@ def _write_rows(db: sqlite3.Connection, out: Path, name: str, digests: set[str])
     record = read_record(out / name)
     if record is None:
         return removed
-    key = db.execute("SELECT coalesce(max(key), 0) + 1 FROM assets").fetchone()[0] if row is None else row[0]
+    insert_record(db, record, sha256, digests, None if row is None else row[0])
+    return 1
+
+
+def insert_record(
+    db: sqlite3.Connection, record: AssetRecord, sha256: str, digests: set[str], key: int | None = None
+) -> None:
+    """Insert the rows of a record that has none, under `key` or the next one; `sha256` is that of its file.
+
+    The digest of its descriptor is added to `digests`, for `update_neighbours`.
+    """
+    if key is None:
+        key = int(db.execute("SELECT coalesce(max(key), 0) + 1 FROM assets").fetchone()[0])
     rows = rows_of(record, sha256)
     for table in _KEYED_TABLES:
         for values in rows[table]:
-            _insert_shape(db, key, values, digests) if table == "shapes" else _insert(db, table, (key, *values))
+            if table == "shapes":
+                _insert_shape(db, key, values, digests)
+            else:
+                _insert(db, table, (key, *values))
     columns = "rowid, names, source_texts, aliases, others"
     db.executemany(f"INSERT INTO words ({columns}) VALUES (?, ?, ?, ?, ?)", [(key, *row) for row in rows["words"]])
-    return 1
 
 
 def _insert(db: sqlite3.Connection, table: str, values: Row) -> None:
