@@ -20,6 +20,7 @@ from schemas.model import Axis
 from schemas.outcome import ItemOutcome, Repair
 from schemas.parts import Part
 from schemas.physics import Contact, Fidelity
+from schemas.shape_descriptor import ShapeDescriptor
 
 SCHEMA_VERSION = "1.0"
 RECORD = "record.json"
@@ -143,6 +144,9 @@ class GeometrySection(_Section):
     solid_distance_m: Evidence[float] | None = Field(
         default=None,
         description="how far the physical surface lies from the visible one, or visible parts outside of it",
+    )
+    shape: ShapeDescriptor | None = Field(
+        default=None, exclude_if=lambda shape: shape is None, description="of the visible surface, for near-duplicates"
     )
 
 

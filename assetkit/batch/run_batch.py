@@ -6,6 +6,7 @@ import shutil
 import sqlite3
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from assetkit.batch.finished_items import FinishedItems
@@ -13,6 +14,7 @@ from assetkit.batch.item_cells import DEFAULT_LIMITS, WORK, Batch, Sources, defa
 from assetkit.batch.report import write_report
 from assetkit.batch.report_file import FinishedBatch
 from assetkit.library import catalog
+from assetkit.library.near_duplicates import refresh_near_duplicates
 from assetkit.options import Options
 from assetkit.sources.source_list import listed_sources
 from assetkit.storage import failure_of_folder
@@ -96,5 +98,8 @@ def run_batch(candidates: Sources, batch: Batch, progress: Progress | None = Non
         totals = finished.totals(wall_seconds=time.monotonic() - started)
         result = FinishedBatch(batch.out, totals, finished.reasons(), interrupted)
         write_report(result, finished)
-    catalog.rebuild(batch.out)
+    catalog.update(batch.out)
+    if not interrupted:
+        with suppress(KeyboardInterrupt):  # The next batch compares what is left.
+            refresh_near_duplicates(batch.out)
     return result

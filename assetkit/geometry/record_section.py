@@ -9,6 +9,8 @@ import numpy as np
 from assetkit.geometry.physical_surface import PhysicalSurface
 from assetkit.geometry.repair import RepairResult
 from assetkit.geometry.triangle_budget import BudgetResult
+from geom.features.shape_descriptor import shape_descriptor
+from geom.mesh.edit import merge_surfaces
 from geom.pose import quat_of
 from schemas.arrays import FloatArray
 from schemas.asset import AnnotationFrame, GeometrySection, quat4, vec3
@@ -76,6 +78,7 @@ def geometry_section(
             "largest distance of the physical surface from the visible one, and of visible parts outside it",
             bounds=(off.attained, off.bound),
         ),
+        shape=shape_descriptor(*merge_surfaces(meshes)[:2]),
     )
 
 

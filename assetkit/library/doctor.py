@@ -17,7 +17,7 @@ from assetkit.batch.item_cells import WORK
 from assetkit.batch.ownership import OWNERS
 from assetkit.library import catalog
 from assetkit.package.record import RECORD, read_record
-from jobs.cache import changed_files
+from jobs.cache import changed_files, file_sha256
 from jobs.lock import exclusive
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 
@@ -120,10 +120,10 @@ def _owners(out: Path) -> Iterator[_Symptom]:
 
 
 def _catalog(out: Path) -> Iterator[_Symptom]:
-    """A catalog that does not list exactly the packages that are there, with their outcomes."""
-    there = {record.asset_id: record.outcome.value for _, record in catalog.records(out)}
+    """A catalog that was not made from exactly the records that are there."""
+    there = {record.asset_id: file_sha256(package / RECORD) for package, record in catalog.records(out)}
     try:
-        listed = {str(row["asset_id"]): str(row["outcome"]) for row in catalog.listing(out)}
+        listed = catalog.fingerprints(out)
     except (FileNotFoundError, InvalidInput, sqlite3.Error):
         listed = None if there else {}
     if listed != there:

@@ -11,7 +11,7 @@ class Canonicalize(Stage):
     """Brings an object into its metric frame and mends what is broken; every edit has figures before and after."""
 
     name = "canonicalize"
-    version = 10
+    version = 11
     result = Canonical
     reads = (Retopology,)
 

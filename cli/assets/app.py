@@ -23,7 +23,7 @@ from cli import text
 from cli.assets.accept import accept_command, show_exercised, show_suites
 from cli.assets.doctor import doctor_command
 from cli.assets.generate import generate_command
-from cli.assets.listing import list_command, stats_command
+from cli.assets.listing import duplicates_command, list_command, stats_command
 from cli.assets.program import program_stated
 from cli.assets.progress import shown_progress
 from cli.assets.render import render_command
@@ -211,6 +211,7 @@ def generator_stated(text: str, seconds: float, timeout: float) -> AppearanceGen
 app.command("accept")(accept_command)
 app.command("doctor")(doctor_command)
 app.command("list")(list_command)
+app.command("duplicates")(duplicates_command)
 app.command("stats")(stats_command)
 app.command("generate")(generate_command)
 app.command("synthesize")(synthesize_command)

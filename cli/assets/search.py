@@ -13,12 +13,11 @@ from rich.markup import escape
 
 from assetkit.annotate.name_reading import category_by_name
 from assetkit.library import catalog
-from assetkit.library.search.facts import Facts
 from assetkit.library.search.limits import limit_of
 from assetkit.library.search.match import Match
 from assetkit.library.search.parse_query import parse_query
 from assetkit.library.search.query import Criterion, Field
-from assetkit.library.search.search import Hit, SearchResult, search
+from assetkit.library.search.search import Hit, SearchResult
 from assetkit.taxonomy.material_classes import materials
 from assetkit.taxonomy.tables import categories, families
 from cli import text
@@ -60,9 +59,8 @@ def search_command(
     `mana assets search "tray under 40 cm" --in library --outcome accepted --json`
     """
     folder, request = _library_and_request(words or [], library)
-    assets = catalog.facts(folder)
     flags = [
-        _category(category, assets),
+        _category(category, folder),
         _chosen("--family", "family", family, families()),
         _chosen("--role", "role", role, get_args(Role)),
         _chosen("--outcome", "outcome", outcome, [o.value for o in ItemOutcome]),
@@ -74,11 +72,11 @@ def search_command(
         _limit("--max-mass", "mass_kg", max_mass),
     ]
     criteria = (*parse_query(request), *(criterion for criterion in flags if criterion is not None))
-    found = search(assets, criteria, lambda criterion: catalog.find_text(folder, criterion))
+    found = catalog.search_catalog(folder, criteria, limit)
     if as_json:
-        print(json.dumps(_json(request, found, limit), indent=1))
+        print(json.dumps(_json(request, found), indent=1))
     else:
-        _show(found, limit)
+        _show(found)
 
 
 def _library_and_request(words: list[str], library: Path | None) -> tuple[Path, str]:
@@ -88,11 +86,11 @@ def _library_and_request(words: list[str], library: Path | None) -> tuple[Path, 
     return library or Path("."), " ".join(words)
 
 
-def _category(name: str | None, assets: list[Facts]) -> Criterion | None:
+def _category(name: str | None, folder: Path) -> Criterion | None:
     if name is None:
         return None
     known = category_by_name(name)
-    stated = {a.category.value for a in assets}  # People may state categories outside the vocabulary.
+    stated = set(catalog.values_of(folder, "category"))  # People may state categories outside the vocabulary.
     aliases = [alias for c in categories().values() for alias in c.aliases]
     value = known.id if known else _one_of("--category", name, [*categories(), *stated], aliases, accepted=stated)
     return Criterion(f"--category {name}", "category", (value,), reading=f"category {value}", is_kind=True, stated=True)
@@ -140,15 +138,15 @@ def _one_of(
     raise typer.BadParameter(f"'{value}' is not known; {hint}", param_hint=flag)
 
 
-def _json(request: str, result: SearchResult, limit: int) -> dict[str, object]:
+def _json(request: str, result: SearchResult) -> dict[str, object]:
     return {
         "request": request,
         "read": [
             {"words": w.words, "field": w.field, "as": w.reading, "optional": w.optional} for w in result.criteria
         ],
         "unmatched": [w.words for w in result.unmatched],
-        "total": len(result.hits),
-        "hits": [_row(hit) for hit in result.hits[:limit]],
+        "total": result.total,
+        "hits": [_row(hit) for hit in result.hits],
         "near": [_row(hit) for hit in result.near_misses],
     }
 
@@ -179,15 +177,15 @@ def _match(result: Match) -> dict[str, object]:
     }
 
 
-def _show(result: SearchResult, limit: int) -> None:
+def _show(result: SearchResult) -> None:
     for criterion in result.criteria:
         text.console.print(
             f"[dim]'{escape(criterion.words)}' read as {escape(criterion.reading)}[/dim]", soft_wrap=True
         )
     for criterion in result.unmatched:
         text.console.print(f"[yellow]'{escape(criterion.words)}' matched nothing[/yellow]", soft_wrap=True)
-    shown = result.hits[:limit]
-    text.console.print(f"{len(result.hits)} found" + (f", {len(shown)} shown" if len(shown) < len(result.hits) else ""))
+    shown = result.hits
+    text.console.print(f"{result.total} found" + (f", {len(shown)} shown" if len(shown) < result.total else ""))
     for hit in shown:
         _show_hit(hit)
     if result.near_misses:

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from assetkit.library import catalog
 from assetkit.library.search.parse_query import parse_query
-from assetkit.library.search.search import SearchResult, search
+from assetkit.library.search.search import SearchResult
 
 REQUESTS = ("mug I can pour from", "something I can put things into, under 1 kg")
+MAX_SHOWN = 3
 
 
 @dataclass(frozen=True)
@@ -22,10 +23,6 @@ class SearchDemo:
 
 def search_demo(library: Path) -> tuple[SearchDemo, ...]:
     """The answers of the `library` just made to `REQUESTS`."""
-    assets = catalog.facts(library)
     return tuple(
-        SearchDemo(
-            request, search(assets, parse_query(request), lambda criterion: catalog.find_text(library, criterion))
-        )
-        for request in REQUESTS
+        SearchDemo(request, catalog.search_catalog(library, parse_query(request), MAX_SHOWN)) for request in REQUESTS
     )

@@ -71,7 +71,7 @@ def _package(target: Path, extension: ModelExtension, given: bytes, measurement:
     with BulletSimulator() as simulator:
         extended = extend_package(target, physics, folder, simulator)
     if extended.package is not None and (folder / catalog.CATALOG).is_file():
-        catalog.rebuild(folder)
+        catalog.update(folder)
     return Answer(extended.package, rows, extended.diagnostics)
 
 

@@ -14,8 +14,9 @@ from assetkit.library.search.query import Criterion
 # the category, nothing recorded that contradicts a negated criterion. Colours below FAINT_COLOUR of the surface are no
 # match.
 HYPOTHESIS, BY_ANCHOR, USUAL_PART, FAINT_COLOUR, NOT_CONTRADICTED = 0.5, 0.6, 0.3, 0.15, 0.7
+PLACEHOLDER_FIGURE = 0.05  # Least confidence of a figure within the limits: one of confidence 0 still counts a little.
 # The anchor that a task needs, used where no affordance was recorded.
-_ANCHOR_OF_TASK = {"pour": "volume", "fill": "volume", "stand on": "surface"}
+ANCHOR_OF_TASK = {"pour": "volume", "fill": "volume", "stand on": "surface"}
 _ANCHOR_WORDS = {"volume": "an inside with an opening", "surface": "a surface to stand things on"}
 
 
@@ -115,8 +116,8 @@ def _colour(criterion: Criterion, asset: Facts) -> Match:
 def _figure(criterion: Criterion, field: str, value: float, confidence: float, unit: str) -> Match:
     """A figure within the limits; one of confidence 0 (a placeholder) still counts a little."""
     inside = criterion.low <= value <= criterion.high
-    sureness = f"{confidence:.0%} sure"
-    return Match(criterion, field, f"{value:.4g} {unit}", max(confidence, 0.05) if inside else 0.0, sureness)
+    weight = max(confidence, PLACEHOLDER_FIGURE) if inside else 0.0
+    return Match(criterion, field, f"{value:.4g} {unit}", weight, f"{confidence:.0%} sure")
 
 
 def _anchor(criterion: Criterion, asset: Facts, kind: str) -> Match:
@@ -132,9 +133,9 @@ def _task(criterion: Criterion, asset: Facts) -> Match:
     best = max((t for t in asset.tasks if task in t.value), key=lambda t: t.confidence, default=None)
     if best is not None:
         return Match(criterion, "affordances", best.value, best.confidence, best.method)
-    if task not in _ANCHOR_OF_TASK:
+    if task not in ANCHOR_OF_TASK:
         return Match(criterion, "affordances", UNKNOWN, 0.0, f"nothing recorded about '{task}'")
-    anchor = _anchor(criterion, asset, _ANCHOR_OF_TASK[task])
+    anchor = _anchor(criterion, asset, ANCHOR_OF_TASK[task])
     evidence = f"no affordance says so; {anchor.evidence}"
     return Match(criterion, "anchors", anchor.value, BY_ANCHOR * anchor.confidence, evidence)
 

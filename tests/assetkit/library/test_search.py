@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from assetkit.library import catalog
+from assetkit.library.catalog.migrations import VERSION
 from assetkit.library.search import facts
 from assetkit.library.search.facts import Facts, RatedValue
 from assetkit.library.search.parse_query import parse_query
@@ -191,20 +192,22 @@ def test_an_affordance_counts_more_than_an_opening():
     assert found.hits[0].matches[-1].field == "affordances"
 
 
-def test_a_catalog_of_another_version_is_told(tmp_path: Path):
+def test_a_catalog_of_a_newer_version_is_refused(tmp_path: Path):
+    catalog.rebuild(tmp_path)
     with sqlite3.connect(tmp_path / catalog.CATALOG) as db:
-        db.execute("CREATE TABLE assets (asset_id TEXT)")
+        db.execute(f"PRAGMA user_version = {VERSION + 1}")
     with pytest.raises(InvalidInput) as refused:
         catalog.facts(tmp_path)
     assert refused.value.diagnostic.code == "asset/catalog-unreadable"
 
 
-def test_a_catalog_whose_facts_are_of_another_shape_is_told(tmp_path: Path):
+def test_a_catalog_whose_facts_are_of_another_shape_is_refused(tmp_path: Path):
     folder = tmp_path / "lib#1"  # A path is no part of an address.
     folder.mkdir()
+    catalog.rebuild(folder)
     with sqlite3.connect(folder / catalog.CATALOG) as db:
-        db.execute("CREATE TABLE facts (facts TEXT)")
-        db.execute("INSERT INTO facts VALUES ('{}')")
+        db.execute("INSERT INTO assets (key, asset_id) VALUES (1, 'a')")
+        db.execute("INSERT INTO records (key, facts) VALUES (1, '{}')")
     with pytest.raises(InvalidInput) as refused:
         catalog.facts(folder)
     assert refused.value.diagnostic.code == "asset/catalog-unreadable"
@@ -224,9 +227,10 @@ def test_a_catalog_whose_facts_are_of_another_shape_is_told(tmp_path: Path):
 def test_texts_are_found_in_any_script_and_denied_words_whole(
     text: str, request_: str, negated: bool, found: bool, tmp_path: Path
 ):
+    catalog.rebuild(tmp_path)
     with sqlite3.connect(tmp_path / catalog.CATALOG) as db:
-        db.executescript(catalog._TABLES)
-        db.execute("INSERT INTO words VALUES ('a', ?, '', '', '')", (facts._words([text]),))
+        db.execute("INSERT INTO assets (key, asset_id) VALUES (1, 'a')")
+        db.execute("INSERT INTO words (rowid, names) VALUES (1, ?)", (facts._words([text]),))
     criterion = replace(parse_query(request_)[0], values=(request_,), negated=negated)
     assert bool(catalog.find_text(tmp_path, criterion)) is found
 
