@@ -23,6 +23,7 @@ from cli import text
 from cli.assets.accept import accept_command, show_exercised, show_suites
 from cli.assets.doctor import doctor_command
 from cli.assets.export import export_command
+from cli.assets.gc import gc_command
 from cli.assets.generate import generate_command
 from cli.assets.listing import list_command, stats_command
 from cli.assets.program import program_stated
@@ -183,6 +184,7 @@ def segmenter_stated(command: str, seconds: float, timeout: float) -> SegmenterC
 app.command("accept")(accept_command)
 app.command("doctor")(doctor_command)
 app.command("export")(export_command)
+app.command("gc")(gc_command)
 app.command("list")(list_command)
 app.command("stats")(stats_command)
 app.command("generate")(generate_command)
