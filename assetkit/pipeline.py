@@ -32,7 +32,7 @@ from assetkit.stages.semantics import DescribeObject
 from assetkit.steps import Pipeline, Refinement, Retry, Step
 from assetkit.storage import finding_from_exception, storage_failed
 from jobs.cache import Cache, content_key, write_atomically
-from jobs.versions import library_versions
+from jobs.versions import library_versions, versions_key
 from schemas.asset import RepeatedPass
 from schemas.diagnostics import Diagnostic, finding
 from schemas.files import array_files
@@ -58,17 +58,20 @@ STAGES = Pipeline(
 )
 
 
+STAGE_RESULTS = "stages"  # below the store: a folder per stage, of values and notes
+NOTE_SUFFIX = ".note.npz"
 _MARK = "in-work"  # A file in the work folder; when it is missing, other files may be missing too.
 _LOST = "the work folder was removed while the asset was made"
 
 
 @dataclass(frozen=True)
 class StoredNotes:
-    """Findings, repairs and review flag of a stage, stored beside its value."""
+    """Findings, repairs and review flag of a stage, stored beside its value; `versions` as in `StoredResult`."""
 
     diagnostics: tuple[Diagnostic, ...]
     repairs: tuple[Repair, ...]
     review: bool
+    versions: str = ""
 
 
 def process_source(
@@ -130,7 +133,7 @@ def _require_intact(tools: Tools) -> None:
 
 def _process_object(draft: Draft, tools: Tools, log: StageLog, out: Path, store: Path) -> tuple[StageLog, list[str]]:
     """The final log and the published package folders of one object (none or one)."""
-    cache = Cache(store / "stages")
+    cache = Cache(store / STAGE_RESULTS)
     tools = replace(tools, answers=Cache(store))
     key = content_key(INTAKE.name, INTAKE.version, _identity(draft.intake), draft.asset_id)
     log.entries[INTAKE.name] = replace(log.entries[INTAKE.name], version=INTAKE.version, key=key)
@@ -229,7 +232,7 @@ def _logged_run(
 
 def _load_or_run(stage: Stage, draft: Draft, tools: Tools, cache: Cache, key: str) -> tuple[Outcome[StageResult], bool]:
     """The stage's outcome and whether it came from the store. A damaged entry is made again."""
-    value_file, note_file = (cache.path(stage.name, key, suffix) for suffix in (".npz", ".note.npz"))
+    value_file, note_file = (cache.path(stage.name, key, suffix) for suffix in (".npz", NOTE_SUFFIX))
     if value_file.exists() and note_file.exists():
         try:
             note = array_files.load(StoredNotes, note_file)
@@ -243,7 +246,9 @@ def _load_or_run(stage: Stage, draft: Draft, tools: Tools, cache: Cache, key: st
     _require_intact(tools)
     if outcome.value is not None and outcome.outside is None:
         array_files.save(outcome.value, stage.result, value_file)
-        array_files.save(StoredNotes(outcome.diagnostics, outcome.repairs, outcome.review), StoredNotes, note_file)
+        array_files.save(
+            StoredNotes(outcome.diagnostics, outcome.repairs, outcome.review, versions_key()), StoredNotes, note_file
+        )
     return outcome, False
 
 

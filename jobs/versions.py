@@ -35,6 +35,12 @@ def library_versions() -> dict[str, str]:
     return {name: version(name) for name in _LIBRARIES} | {"code": code_hash(_PACKAGES)}
 
 
+@cache
+def versions_key() -> str:
+    """One key over `library_versions`: what is stored under another one is never read by this installation."""
+    return content_key(library_versions())
+
+
 def code_hash(packages: tuple[str, ...]) -> str:
     """One hash over the Python files of packages of Mana: an editable installation changes without a new version."""
     home = Path(__file__).parents[1]

@@ -13,6 +13,7 @@ from assetkit.sources.discover import SourceAsset, slug
 from jobs.cache import content_key, write_atomically
 
 OWNERS = ".cache/owners"  # below the output folder: for each package a file of its name, with the path of its source
+PACKAGE_LISTS = ".cache/made"  # for each source a file with the names of its packages
 
 
 def resolve_asset_id(candidate: SourceAsset, out: Path) -> SourceAsset:
@@ -32,7 +33,7 @@ def record_ownership(candidate: SourceAsset, packages: Sequence[str], out: Path,
     source = str(candidate.file.path.absolute())
     for package in packages:
         write_atomically(_owner_note(package, out), os.fsencode(source))
-    package_list = out / ".cache" / "made" / content_key(source)[:24]
+    package_list = out / PACKAGE_LISTS / content_key(source)[:24]
     before = package_list.read_text().splitlines() if package_list.is_file() else []
     if not complete:
         packages = tuple(dict.fromkeys([*before, *packages]))

@@ -11,15 +11,18 @@ from assetkit.options import Options
 from assetkit.package.record import RECORD, read_record
 from assetkit.sources.discover import SourceAsset
 from jobs.cache import changed_files, content_key, file_sha256, write_atomically
-from jobs.versions import library_versions
+from jobs.versions import library_versions, versions_key
 from schemas.report import ReportItem
+
+ITEMS = ".cache/items"  # below the output folder
 
 
 class StoredResult(BaseModel):
     """A finished item with what it depended on.
 
     `references` maps each file read (relative to the asset's root) to its hash; `missing` lists the places
-    where absent ones would lie; `records` maps each package to the hash of its record.
+    where absent ones would lie; `records` maps each package to the hash of its record; `versions` is the
+    `jobs.versions.versions_key` under which it was made.
     """
 
     model_config = ConfigDict(frozen=True, extra="ignore")
@@ -29,6 +32,7 @@ class StoredResult(BaseModel):
     references: dict[str, str] = {}
     missing: tuple[str, ...] = ()
     records: dict[str, str] = {}
+    versions: str = ""
 
 
 def result_file(candidate: SourceAsset, out: Path, options: Options) -> Path:
@@ -36,7 +40,7 @@ def result_file(candidate: SourceAsset, out: Path, options: Options) -> Path:
     root = os.path.relpath(candidate.file.root, candidate.file.path.parent)
     date = os.environ.get("SOURCE_DATE_EPOCH", "")
     identity = (candidate.given, candidate.asset_id, root, options.model_dump(), library_versions(), date)
-    return out / ".cache" / "items" / f"{content_key(identity)}.json"
+    return out / ITEMS / f"{content_key(identity)}.json"
 
 
 def read_stored(note: Path) -> StoredResult | None:
@@ -48,8 +52,9 @@ def read_stored(note: Path) -> StoredResult | None:
 
 
 def write_stored(note: Path, stored: StoredResult) -> None:
-    """Write a result to file `note` atomically, so that it is there after a power cut."""
-    write_atomically(note, stored.model_dump_json().encode(), durable=True)
+    """Write a result to file `note` atomically, so that it is there after a power cut, with the versions at work."""
+    marked = stored.model_copy(update={"versions": versions_key()})
+    write_atomically(note, marked.model_dump_json().encode(), durable=True)
 
 
 def stored_from(item: ReportItem, candidate: SourceAsset, out: Path) -> StoredResult:

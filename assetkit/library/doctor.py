@@ -6,23 +6,19 @@ is; `mana assets ingest` of its source makes it anew.
 
 from __future__ import annotations
 
-import re
-import shutil
 import sqlite3
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from assetkit.batch.item_cells import WORK
 from assetkit.batch.ownership import OWNERS
 from assetkit.library import catalog
+from assetkit.library.leftovers import remove, replaced_packages, written_aside
 from assetkit.package.record import RECORD, read_record
 from jobs.cache import changed_files, file_sha256
 from jobs.lock import exclusive
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
 
-# Files and folders that Mana writes aside and moves into place when they are whole.
-_ASIDE = re.compile(r"\.(report\.(html|json|new)|catalog\.sqlite(-journal|-wal|-shm)?|probe-mana-\w+|mana\w+|.+\.\d+)")
 _SHOWN = 5  # names of files in one finding
 
 
@@ -73,10 +69,9 @@ def _treat(symptom: _Symptom, repair: bool) -> bool:
 
 def _interrupted_replacements(out: Path) -> Iterator[_Symptom]:
     """Packages that a killed process was about to replace: the old one stands aside as `.NAME.old`."""
-    for old in sorted(out.glob(".*.old")):
-        place = out / old.name.removeprefix(".").removesuffix(".old")
+    for old, place in replaced_packages(out):
         if place.exists():
-            yield _Symptom(_left_over(old, "the package that replaced it is in place"), _removal(old))
+            yield _Symptom(_left_over(old, "the package that replaced it is in place"), lambda old=old: remove(old))
         else:
             found = finding(
                 "asset/library-interrupted",
@@ -88,9 +83,8 @@ def _interrupted_replacements(out: Path) -> Iterator[_Symptom]:
 
 def _leftovers(out: Path) -> Iterator[_Symptom]:
     """Files that were written aside by a process that ended before it moved them into place."""
-    work = out / WORK
-    for path in [*sorted(p for p in out.iterdir() if _ASIDE.fullmatch(p.name)), *([work] if work.exists() else [])]:
-        yield _Symptom(_left_over(path, "no process works on it"), _removal(path))
+    for path in written_aside(out):
+        yield _Symptom(_left_over(path, "no process works on it"), lambda path=path: remove(path))
 
 
 def _packages(out: Path) -> Iterator[_Symptom]:
@@ -144,7 +138,3 @@ def _damaged(name: str, headline: str, files: tuple[str, ...]) -> _Symptom:
 
 def _left_over(path: Path, why: str) -> Diagnostic:
     return finding("asset/library-leftover", f"'{path.name}' is left over: {why}", where=Location(file=path.name))
-
-
-def _removal(path: Path) -> Callable[[], object]:
-    return (lambda: shutil.rmtree(path)) if path.is_dir() and not path.is_symlink() else path.unlink

@@ -17,7 +17,15 @@ from geom.mechanism_pose import joint_motion
 from geom.pose import pose
 from schemas.mechanism import Mechanism, MechanismJoint
 from schemas.package import PackageContent
-from schemas.robot_description import DescribedJoint, DescribedShape, JointLimits, Mimic, RobotDescription
+from schemas.robot_description import (
+    DescribedJoint,
+    DescribedLink,
+    DescribedShape,
+    JointLimits,
+    Mimic,
+    RobotDescription,
+    ShapeFriction,
+)
 from usdio.reread.body import RereadPackage
 from usdio.write.materials.mesh_materials import materials_per_mesh
 
@@ -40,8 +48,9 @@ def write_twins(content_on_disk: RereadPackage, content: PackageContent, folder:
     (export / "meshes").mkdir(parents=True, exist_ok=True)
     description = _description(content_on_disk, mechanism, content, export)
     urdf, mjcf = (export / f"{content.asset_id}.{suffix}" for suffix in ("urdf", "xml"))
-    urdf.write_bytes(formats.write_urdf(replace(description, joints=_with_required(description))).data)
-    mjcf.write_bytes(formats.write_mjcf(_in_groups(description), _connected(mechanism)).data)
+    urdf.write_bytes(formats.write_urdf(with_required_limits(description)).data)
+    closed = formats.write_mjcf(for_mujoco(description), connected_points(mechanism), content_on_disk.filtered_pairs)
+    mjcf.write_bytes(closed.data)
     return urdf, mjcf
 
 
@@ -86,7 +95,7 @@ def described_joint(joint: MechanismJoint, mechanism: Mechanism) -> DescribedJoi
     )
 
 
-def _connected(mechanism: Mechanism) -> tuple[ConnectedPoints, ...]:
+def connected_points(mechanism: Mechanism) -> tuple[ConnectedPoints, ...]:
     """The points that closing joints keep together, in the frames of their links."""
     origins = {link.name: link.origin for link in mechanism.links}
     pairs: list[ConnectedPoints] = []
@@ -101,21 +110,30 @@ def _connected(mechanism: Mechanism) -> tuple[ConnectedPoints, ...]:
     return tuple(pairs)
 
 
-def _with_required(description: RobotDescription) -> tuple[DescribedJoint, ...]:
-    """The joints with an effort and a speed where limits are stated: URDF readers refuse limits without them."""
-    return tuple(
+def with_required_limits(description: RobotDescription) -> RobotDescription:
+    """The description with an effort and a speed where limits are stated: URDF readers refuse limits without them."""
+    joints = (
         replace(joint, effort=joint.effort or UNSTATED_EFFORT, velocity=joint.velocity or UNSTATED_SPEED)
         if joint.limits is not None
         else joint
         for joint in description.joints
     )
+    return replace(description, joints=tuple(joints))
 
 
-def _in_groups(description: RobotDescription) -> RobotDescription:
-    """The description with its shapes in the groups that MuJoCo users expect."""
+def for_mujoco(description: RobotDescription) -> RobotDescription:
+    """The description with its shapes in the groups that MuJoCo users expect, and the friction of links at their
+    shapes, where MJCF has it."""
+    links = (
+        replace(link, shapes=tuple(_shape_for_mujoco(shape, link) for shape in link.shapes), contact={})
+        for link in description.links
+    )
+    return replace(description, links=tuple(links))
 
-    def grouped(shape: DescribedShape) -> DescribedShape:
-        return replace(shape, group=COLLISION_GROUP if shape.collides else VISUAL_GROUP)
 
-    links = tuple(replace(link, shapes=tuple(map(grouped, link.shapes)), contact={}) for link in description.links)
-    return replace(description, links=links)
+def _shape_for_mujoco(shape: DescribedShape, link: DescribedLink) -> DescribedShape:
+    if not shape.collides:
+        return replace(shape, group=VISUAL_GROUP)
+    dynamic = link.contact.get("lateral_friction")
+    of_link = None if dynamic is None else ShapeFriction(dynamic, dynamic)
+    return replace(shape, group=COLLISION_GROUP, friction=shape.friction or of_link)

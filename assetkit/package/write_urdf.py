@@ -92,7 +92,7 @@ def _inertial(body: RigidBody) -> Inertial:
 def _visual(mesh: Mesh, mesh_material: MeshMaterial, export: Path) -> DescribedShape:
     file = f"visual_{mesh.id}.obj"
     write_obj(export / "meshes" / file, mesh.points, mesh.triangles, mesh.uvs[0] if mesh.uvs else None)
-    red, green, blue = _srgb(mesh_material.material).tolist()
+    red, green, blue = display_colour(mesh_material.material).tolist()
     material = DescribedMaterial(mesh_material.prim_name, (red, green, blue, mesh_material.material.opacity))
     reference = MeshReference(f"meshes/{file}")
     return DescribedShape(mesh.id, "mesh", (), np.eye(4), False, True, mesh=reference, material=material)
@@ -112,7 +112,7 @@ def described_collision(
     return DescribedShape(name, "mesh", (), shape.X_AS, True, False, mesh=reference, friction=friction)
 
 
-def _srgb(material: Material) -> FloatArray:
+def display_colour(material: Material) -> FloatArray:
     """Display colour of the linear base colour (IEC 61966-2-1), which is what URDF viewers expect."""
     linear = np.clip(np.asarray(material.base_color, dtype=np.float64), 0.0, 1.0)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)

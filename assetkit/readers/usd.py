@@ -20,6 +20,14 @@ def read_usd(source: SourceFile) -> Outcome[Model]:
     )
 
 
+def read_usd_still(source: SourceFile) -> Outcome[Model]:
+    """The same without joints: everything that the stage shows as one rigid model, at rest."""
+    from assetkit.readers.common.images import load_texture
+    from usdio.read.asset import read_stage
+
+    return read_stage(source.path, source.root, load_texture=load_texture, mechanism=False)
+
+
 USD = SourceFormat(
     "usd",
     (".usd", ".usda", ".usdc"),

@@ -22,6 +22,8 @@ from assetkit.package.record import RECORD, read_record
 from cli import text
 from cli.assets.accept import accept_command, show_exercised, show_suites
 from cli.assets.doctor import doctor_command
+from cli.assets.export import export_command
+from cli.assets.gc import gc_command
 from cli.assets.generate import generate_command
 from cli.assets.listing import duplicates_command, list_command, stats_command
 from cli.assets.program import program_stated
@@ -210,6 +212,8 @@ def generator_stated(text: str, seconds: float, timeout: float) -> AppearanceGen
 
 app.command("accept")(accept_command)
 app.command("doctor")(doctor_command)
+app.command("export")(export_command)
+app.command("gc")(gc_command)
 app.command("list")(list_command)
 app.command("duplicates")(duplicates_command)
 app.command("stats")(stats_command)

@@ -1,7 +1,8 @@
 """Writes a `RobotDescription` as MJCF: radians, quaternions, no classes; numbers read back as the same doubles.
 
 A root that is not the world becomes a body welded to it. Mimics become joint equalities, and points that close loops
-`connect` equalities between sites; MuJoCo keeps both softly.
+`connect` equalities between sites; MuJoCo keeps both softly. Meshes that do not collide are shells to MuJoCo: it refuses
+flat ones as solids, whatever their mass.
 """
 
 from __future__ import annotations
@@ -41,15 +42,19 @@ class ConnectedPoints(NamedTuple):
     points_m: tuple[FloatArray, FloatArray]
 
 
-def write_mjcf(description: RobotDescription, connected: Sequence[ConnectedPoints] = ()) -> WrittenDescription:
+def write_mjcf(
+    description: RobotDescription,
+    connected: Sequence[ConnectedPoints] = (),
+    excluded: Sequence[tuple[str, str]] = (),
+) -> WrittenDescription:
     """The description as an MJCF file. Mesh files are named by their uri, or relative to the root if that is a URL.
 
-    The tree of joints says nothing of loops; `connected` closes them.
+    The tree of joints says nothing of loops; `connected` closes them. `excluded` are links that never collide, by name.
 
     Speed limits and PyBullet's contact numbers are losses. Raises InvalidInput `robot/not-expressible` for planar
     joints, floating joints inside a tree, and shapes without a kind.
     """
-    return _Writing(description).written(connected)
+    return _Writing(description).written(connected, excluded)
 
 
 class _Writing:
@@ -62,7 +67,7 @@ class _Writing:
         self.materials: dict[str, Element] = {}
         self.textures: dict[str, Element] = {}
 
-    def written(self, connected: Sequence[ConnectedPoints]) -> WrittenDescription:
+    def written(self, connected: Sequence[ConnectedPoints], excluded: Sequence[tuple[str, str]]) -> WrittenDescription:
         world = element("worldbody")
         bodies = {WORLD_LINK: world}
         carriers = joints_of(self.description.joints)
@@ -90,6 +95,7 @@ class _Writing:
             element("compiler", angle="radian", autolimits="true"),
             element("asset", *assets) if assets else None,
             world,
+            element("contact", *(element("exclude", body1=a, body2=b) for a, b in excluded)) if excluded else None,
             element("equality", *equalities) if equalities else None,
             model=self.description.name,
         )
@@ -139,7 +145,7 @@ class _Writing:
         a = {"name": shape.name} if shape.name else {}
         a |= _kind_and_size(shape) | _placed(shape.X_LS)
         if shape.mesh is not None:
-            a["mesh"] = self._mesh(shape.mesh)
+            a["mesh"] = self._mesh(shape.mesh, shell=not shape.collides)
         if not shape.collides:
             a |= {"contype": "0", "conaffinity": "0"}
         if shape.group:
@@ -170,9 +176,9 @@ class _Writing:
         stated = self.materials.setdefault(material.name, xml)
         return {"material": material.name} | (rgba if stated.attributes != xml.attributes else {})
 
-    def _mesh(self, mesh: MeshReference) -> str:
+    def _mesh(self, mesh: MeshReference, *, shell: bool) -> str:
         """The name of the mesh asset."""
-        a: dict[str, str] = {}
+        a: dict[str, str] = {"inertia": "shell"} if shell else {}
         if mesh.uri:
             a["file"] = mesh.path if "://" in mesh.uri and mesh.path else mesh.uri
         if mesh.vertices is not None:

@@ -5,6 +5,13 @@ from __future__ import annotations
 from schemas.codes.code_info import CodeInfo
 
 USE_CODES: dict[str, CodeInfo] = {
+    # The folder of a library, and what leaves it.
+    "asset/export-loss": CodeInfo(
+        "warning",
+        "The format of an export cannot hold something of the package",
+        "MJCF, URDF and USDZ have no place for everything that a package states; a reader of the export has to know.",
+        "use the package's own USD where the value matters",
+    ),
     # Semantics.
     "asset/library-package-damaged": CodeInfo(
         "error",
