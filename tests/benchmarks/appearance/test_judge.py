@@ -25,6 +25,7 @@ from tests.support.peers import needs_blender
 SMALL = cycles.Quality(size_px=96, samples=16)
 
 
+@pytest.mark.long
 def test_a_release_looks_like_its_source_and_damage_is_seen(tmp_path: Path) -> None:
     needs_blender()
     sample = next(each for each in samples(tmp_path / "sources", None) if each.name == "made_bumps")
