@@ -20,11 +20,13 @@ import argparse
 import json
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
+from assetkit.batch.report_file import read_items
 from assetkit.library.validate import main_usd_files
 from assetkit.package.record import read_record
 from benchmarks.appearance import cycles, sheet
@@ -40,7 +42,6 @@ from schemas.asset import AssetRecord
 
 OTHER_SEED = cycles.SEED + 1
 NOISE_VIEWS = STANDARD_VIEWS[:1]  # one is enough to know how large it is
-INGEST_LIMIT_S = 900.0
 
 
 class NotCompared(Exception):
@@ -55,12 +56,13 @@ def main() -> int:
     parser.add_argument("--assets", type=Path, help="folder of the development assets")
     parser.add_argument("--only", nargs="*", default=[], help="names of samples, or parts of them")
     options = parser.parse_args()
+    listed = samples(options.out / "sources", options.assets, tuple(options.files))
+    chosen = [each for each in listed if not options.only or any(part in each.name for part in options.only)]
+    packages = ingested(chosen, options.out / "library")
     results: list[Comparison | Refusal] = []
-    for sample in samples(options.out / "sources", options.assets, tuple(options.files)):
-        if options.only and not any(part in sample.name for part in options.only):
-            continue
+    for sample in chosen:
         try:
-            results.append(compare(sample, options.out / sample.name, cycles.Quality()))
+            results.append(compare(sample, packages[sample.name], options.out / sample.name, cycles.Quality()))
         except (NotCompared, cycles.NotDrawn, subprocess.TimeoutExpired) as error:
             results.append(Refusal(sample.name, str(error)))
         print(results[-1].row(), flush=True)
@@ -73,9 +75,11 @@ def main() -> int:
     return 0 if results and all(isinstance(r, Comparison) and r.meets for r in results) else 1
 
 
-def compare(sample: Sample, out: Path, quality: cycles.Quality) -> Comparison:
-    """Ingest a sample and compare its release with it. Raises NotCompared and cycles.NotDrawn."""
-    package = ingested(sample.source, out / "library")
+def compare(sample: Sample, packages: Sequence[Path], out: Path, quality: cycles.Quality) -> Comparison:
+    """Compare a sample with its one package. Raises NotCompared and cycles.NotDrawn."""
+    if len(packages) != 1:
+        raise NotCompared(f"{len(packages)} packages instead of one")
+    package = packages[0]
     record = read_record(package)
     if record is None or record.appearance is None:
         raise NotCompared("the package has no readable record")
@@ -101,15 +105,14 @@ def compare(sample: Sample, out: Path, quality: cycles.Quality) -> Comparison:
     )
 
 
-def ingested(source: Path, library: Path) -> Path:
-    """The one package that the command line makes of a file. Raises NotCompared."""
-    argv = [sys.executable, "-m", "cli.main", "assets", "ingest", str(source), "--out", str(library), "--jobs", "1"]
-    done = subprocess.run(argv, check=False, capture_output=True, text=True, timeout=INGEST_LIMIT_S)
-    packages = sorted(path.parent for path in library.glob("*/record.json"))
-    if len(packages) != 1:
-        last = " ".join((done.stdout + done.stderr).split())[-300:]
-        raise NotCompared(f"{len(packages)} packages instead of one: {last}")
-    return packages[0]
+def ingested(chosen: Sequence[Sample], library: Path) -> dict[str, tuple[Path, ...]]:
+    """The packages of each sample by its name, as the command line makes them. Raises NotCompared where it stops."""
+    argv = [sys.executable, "-m", "cli.main", "assets", "ingest", *(str(each.source) for each in chosen)]
+    done = subprocess.run([*argv, "--out", str(library)], check=False, capture_output=True, text=True)
+    if done.returncode not in (0, 1):  # 1: some were rejected
+        raise NotCompared(" ".join((done.stdout + done.stderr).split())[-300:])
+    items = {Path(item.source).resolve(): item for item in read_items(library)}
+    return {each.name: tuple(library / name for name in items[each.source.resolve()].packages) for each in chosen}
 
 
 def X_AS_of(record: AssetRecord) -> FloatArray:

@@ -25,15 +25,16 @@ from tests.support.peers import needs_blender
 SMALL = cycles.Quality(size_px=96, samples=16)
 
 
+@pytest.mark.long
 def test_a_release_looks_like_its_source_and_damage_is_seen(tmp_path: Path) -> None:
     needs_blender()
     sample = next(each for each in samples(tmp_path / "sources", None) if each.name == "made_bumps")
-    result = compare(sample, tmp_path / "made_bumps", SMALL)
+    ((package,),) = ingested([sample], tmp_path / "library").values()
+    result = compare(sample, (package,), tmp_path / "made_bumps", SMALL)
     assert max(result.cycles.values()) <= MOST_MEDIAN
     assert max(result.own.values()) <= MOST_MEDIAN
     assert result.meets
     assert Image.open(tmp_path / "made_bumps" / "sheet.png").size[0] == 4 * SMALL.size_px
-    package = ingested(sample.source, tmp_path / "made_bumps" / "library")
     record = read_record(package)
     assert record is not None
     source = cycles.draw_gltf(
