@@ -1,13 +1,14 @@
 """Removes the materials of development assets, recovers them, and compares the families with those of the originals.
 
-    python -m benchmarks.assets.recovery ASSETS_DIR [--only TEXT] [--nameless] [--no-pictures] [--all] [--sheet PNG]
+    python -m benchmarks.assets.recovery ASSETS_DIR [--only TEXT] [--nameless | --keep-names] [--no-pictures]
+    python -m benchmarks.assets.recovery ASSETS_DIR --all | --sheet PNG
 
 `recovery_truth.csv` names regions of assets and the families that they are of: by the name of the removed material, by
 what a real object is made of, or by what a person sees. Materials, their names, textures and vertex colours are
-removed; names of files and nodes stay, with `--nameless` they go too. The family of most of a region's area counts.
-With `--all` every readable development asset is recovered, compared or not. Seconds are processor time of clues,
-ranking and pictures; pictures are drawn in forks of this process, as the warm cells of a batch are. `--sheet` draws
-objects before, without and with recovered materials.
+removed; names of files and nodes stay, with `--nameless` they go too, with `--keep-names` those of materials stay. The
+family of most of a region's area counts. With `--all` every readable development asset is recovered, compared or not.
+Seconds are processor time of clues, ranking and pictures; pictures are drawn in forks of this process, as the warm
+cells of a batch are. `--sheet` draws objects before, without and with recovered materials.
 """
 
 from __future__ import annotations
@@ -44,6 +45,7 @@ from geom.mesh.surface_distance import triangle_areas
 from jobs.cell import CellResult, Limits
 from jobs.warm import use_runner
 from render.ready_studio import prepare_studio
+from schemas.appearance.material import Material
 from schemas.evidence import Evidence
 from schemas.model import Model
 
@@ -64,11 +66,13 @@ class Row(NamedTuple):
         return self.recovered.value in self.families
 
 
-def without_materials(draft: Draft) -> Draft:
-    """The draft with no material, picture or colour, and no name of one."""
+def without_materials(draft: Draft, *, keep_names: bool = False) -> Draft:
+    """The draft with no material, picture or colour, and no name of one unless they are kept."""
     canonical = draft[Canonical]
-    meshes = tuple(replace(mesh, material=None, colors=None) for mesh in canonical.meshes)
-    bare = replace(draft.intake.model, meshes=meshes, materials=(), textures=())
+    bare_meshes = tuple(replace(mesh, colors=None) for mesh in canonical.meshes)
+    meshes = bare_meshes if keep_names else tuple(replace(mesh, material=None) for mesh in bare_meshes)
+    materials = tuple(Material(material.name) for material in draft.intake.model.materials) if keep_names else ()
+    bare = replace(draft.intake.model, meshes=meshes, materials=materials, textures=())
     return replace(
         draft,
         intake=replace(draft.intake, model=bare),
@@ -222,6 +226,7 @@ def main() -> None:
     parser.add_argument("assets", type=Path)
     parser.add_argument("--only", default="")
     parser.add_argument("--nameless", action="store_true")
+    parser.add_argument("--keep-names", action="store_true")
     parser.add_argument("--no-pictures", action="store_true")
     parser.add_argument("--all", action="store_true")
     parser.add_argument("--sheet", type=Path)
@@ -237,7 +242,7 @@ def main() -> None:
             return
         for (path, up_axis), group in truth(given.only).items():
             draft = canonical_draft(*located(given.assets, path), up_axis)
-            bare = without_materials(draft)
+            bare = without_materials(draft, keep_names=given.keep_names)
             bare = without_materials(stripped_of(bare)) if given.nameless else bare
             recovered, spent = measured(bare, None if given.no_pictures else work_dir)
             table += compared(draft, recovered, group)

@@ -27,7 +27,7 @@ from schemas.files import array_files
 from schemas.model import Mesh, Model
 
 LIMITS: Final = Limits(seconds=60.0, memory_mb=6144)
-_MANY_TRIANGLES, _GRID = 20_000, 192  # a grid of half a pixel along the longest side
+_MANY_TRIANGLES, _GRID_CELLS = 20_000, 192  # a grid of half a pixel along the longest side
 _LEAST_PIXELS = 12  # in four views together; fewer show no shape
 _CLIPPED_BELOW, _CLIPPED_ABOVE = 0.02, 0.98  # of the display value, beyond which a pixel is clipped
 
@@ -71,7 +71,7 @@ def _coarse(model: Model) -> Model:
 
 def _step(model: Model) -> float:
     points = np.concatenate([mesh.points for mesh in model.meshes])
-    return float(np.ptp(points, axis=0).max()) / _GRID
+    return float(np.ptp(points, axis=0).max()) / _GRID_CELLS
 
 
 def _on_grid(mesh: Mesh, step: float) -> Mesh:
