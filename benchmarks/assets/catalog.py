@@ -2,8 +2,8 @@
 
 Rows are made from real records, those of LIBRARY or the one of the tests: another id, name, category, size, mass,
 colours, licence and a shifted shape descriptor, drawn from a seed; anchors, joints, parts and affordances stay. Prints
-how long the catalog takes to fill, and for each request its rows and, in milliseconds, the medians of processor and wall
-time and the least wall time of several runs, without the start of the program.
+how long the catalog takes to fill, and for each request its rows and, in milliseconds, the medians of processor and
+wall time and the least wall time of several runs, without the start of the program.
 """
 
 from __future__ import annotations
@@ -96,16 +96,13 @@ def fill(out: Path, rows: int, library: Path | None) -> None:
         db.execute("COMMIT")
         pairs = _pairs(db)
     ended = time.process_time()
-    print(
-        f"from {len(sources)} records: {filled - started:.1f} s for rows, {ended - filled:.1f} s for neighbours (processor)"
-    )
-    print(f"{len(digests)} descriptors, {pairs} pairs to compare")
+    print(f"from {len(sources)} records, processor time: {filled - started:.1f} s for rows, then")
+    print(f"{ended - filled:.1f} s for neighbours of {len(digests)} descriptors, {pairs} pairs to compare")
 
 
 def _pairs(db: sqlite3.Connection) -> int:
-    return int(
-        db.execute("SELECT count(DISTINCT min(digest, other) || max(digest, other)) FROM neighbours").fetchone()[0]
-    )
+    sql = "SELECT count(DISTINCT min(digest, other) || max(digest, other)) FROM neighbours"
+    return int(db.execute(sql).fetchone()[0])
 
 
 def _sample() -> AssetRecord:

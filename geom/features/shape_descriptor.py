@@ -44,7 +44,7 @@ def shape_descriptor(points: FloatArray, triangles: IntArray, seed: int = 0) -> 
     trace = np.einsum("ijj->i", third)
     return ShapeDescriptor(
         scale_m=scale,
-        second_moments=_rounded3(np.linalg.eigvalsh(second)[::-1]),
+        second_moments=_rounded3(np.linalg.eigvalsh(second)[::-1].astype(np.float64)),
         third_moments=(_rounded(float(np.linalg.norm(third))), _rounded(float(np.linalg.norm(trace)))),
         distances=tuple(_rounded(float(d)) for d in _distance_quantiles(points, triangles, seed) / scale),
     )

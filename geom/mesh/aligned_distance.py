@@ -1,7 +1,7 @@
 """How far two surfaces lie from each other after the best proper rotation and uniform scale, relative to their size.
 
 Starts are the principal axes with their sign ambiguities, with turns where moments are too close to give axes; the best
-are refined by ICP with point-to-plane steps (Chen and Medioni 1992).
+are refined by ICP with damped point-to-plane steps (Chen and Medioni 1992).
 """
 
 from __future__ import annotations
@@ -19,9 +19,12 @@ from schemas.arrays import FloatArray, IntArray
 DEGENERATE_GAP = 0.03
 TURN_STEPS = 24  # About an axis of revolution: 15 degrees, within the reach of ICP.
 FREE_TURNS = 600  # Over all rotations: the next start is at most about 30 degrees away.
-STARTS = 4  # Refined: a surface has up to four proper rotations that keep its principal axes.
+# A cube with one letter has 24 poses that fit nearly; so many starts, the best by distance, are refined coarsely that
+# each pose has several, and the best of these finely.
+COARSE_STARTS, FINE_STARTS = 150, 4
 COARSE_SAMPLES, FINE_SAMPLES, FINAL_SAMPLES = 200, 1000, 4000
-ICP_STEPS = 25
+COARSE_STEPS, FINE_STEPS = 6, 25
+_DAMPING = 1e-4  # Of the mean eigenvalue: motions along which the surface slides in itself get no step from rounding.
 _STILL = 1e-7  # In units of the rms radius: a step below it changes nothing that is measured.
 
 
@@ -62,12 +65,13 @@ def aligned_distance(
     target = NearestOnSurface(b.points, b.triangles)
     coarse, _ = sample_surface(a.points, a.triangles, COARSE_SAMPLES, seed)
     starts = np.array([b.axes @ Q @ a.axes.T for Q in _turns(0.5 * (a.moments + b.moments))])
-    placed = np.einsum("rij,sj->rsi", starts, coarse).reshape(-1, 3)
-    away = np.linalg.norm(target(placed)[0] - placed, axis=1).reshape(len(starts), -1).mean(axis=1)
-    fine, _ = sample_surface(a.points, a.triangles, FINE_SAMPLES, seed)
     normals = _normals(b)
-    refined = [_icp(fine, starts[k], target, normals) for k in np.argsort(away, kind="stable")[:STARTS]]
-    R, t, _ = min(refined, key=lambda fit: fit[2])
+    near = np.argsort(_mean_distances(_placed(coarse, starts, np.zeros((len(starts), 3))), target), kind="stable")
+    fits = _icp(coarse, starts[near[:COARSE_STARTS]], target, normals, COARSE_STEPS)
+    fine, _ = sample_surface(a.points, a.triangles, FINE_SAMPLES, seed)
+    best = np.argsort(fits[2], kind="stable")[:FINE_STARTS]
+    turns, shifts, means = _icp(fine, fits[0][best], target, normals, FINE_STEPS, fits[1][best])
+    R, t = turns[means.argmin()], shifts[means.argmin()]
     there, _ = sample_surface(a.points, a.triangles, FINAL_SAMPLES, seed)
     back, _ = sample_surface(b.points, b.triangles, FINAL_SAMPLES, seed)
     there, back = there @ R.T + t, (back - t) @ R
@@ -133,24 +137,46 @@ def _normals(surface: _UnitSurface) -> FloatArray:
     return np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
 
 
+def _placed(samples: FloatArray, turns: FloatArray, shifts: FloatArray) -> FloatArray:
+    """(k, s, 3) the samples (s, 3) at each of the poses (k, 3, 3), (k, 3)."""
+    return np.einsum("kij,sj->ksi", turns, samples) + shifts[:, None]
+
+
+def _mean_distances(placed: FloatArray, target: NearestOnSurface) -> FloatArray:
+    """(k,) mean distances of placed samples (k, s, 3)."""
+    nearest = target(placed.reshape(-1, 3))[0].reshape(placed.shape)
+    return np.linalg.norm(placed - nearest, axis=2).mean(axis=1)
+
+
 def _icp(
-    samples: FloatArray, R: FloatArray, target: NearestOnSurface, normals: FloatArray
-) -> tuple[FloatArray, FloatArray, float]:
-    """Rotation (3, 3), translation (3,) and the mean distance of the samples (k, 3) after it; never worse than `R`."""
-    turned, t = R, np.zeros(3)
-    best = (turned, t, np.inf)
-    for _ in range(ICP_STEPS):
-        placed = samples @ turned.T + t
-        nearest, index = target(placed)
-        off = placed - nearest
-        mean = float(np.linalg.norm(off, axis=1).mean())
-        if mean < best[2]:
-            best = (turned, t, mean)
-        n = normals[index]
-        along = np.einsum("ij,ij->i", off, n)
-        step: FloatArray = -np.linalg.pinv(np.hstack([np.cross(placed, n), n]), rcond=1e-9) @ along
+    samples: FloatArray,
+    turns: FloatArray,
+    target: NearestOnSurface,
+    normals: FloatArray,
+    steps: int,
+    start_shifts: FloatArray | None = None,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Rotations (k, 3, 3), translations (k, 3) and mean distances (k,) of the samples (s, 3) after some steps from each
+    of the poses; never worse than those.
+    """
+    shifts: FloatArray = np.zeros((len(turns), 3)) if start_shifts is None else start_shifts
+    best_turns, best_shifts, best = turns.copy(), shifts.copy(), np.full(len(turns), np.inf)
+    for _ in range(steps):
+        placed = _placed(samples, turns, shifts)
+        nearest, index = target(placed.reshape(-1, 3))
+        off = placed - nearest.reshape(placed.shape)
+        means = np.linalg.norm(off, axis=2).mean(axis=1)
+        better = means < best
+        best[better], best_turns[better], best_shifts[better] = means[better], turns[better], shifts[better]
+        n = normals[index].reshape(placed.shape)
+        jacobian = np.concatenate([np.cross(placed, n), n], axis=2)
+        gradient = np.einsum("ksj,ksi,ksi->kj", jacobian, off, n)
+        hessian = np.einsum("ksi,ksj->kij", jacobian, jacobian)
+        damping = _DAMPING / 6.0 * np.einsum("kii->k", hessian)
+        step: FloatArray = -np.linalg.solve(hessian + damping[:, None, None] * np.eye(6), gradient[:, :, None])[:, :, 0]
         if np.abs(step).max() < _STILL:
             break
-        turn: FloatArray = Rotation.from_rotvec(step[:3]).as_matrix()
-        turned, t = turn @ turned, turn @ t + step[3:]
-    return best
+        turn: FloatArray = Rotation.from_rotvec(step[:, :3]).as_matrix()
+        shifts = np.einsum("kij,kj->ki", turn, shifts) + step[:, 3:]
+        turns = turn @ turns
+    return best_turns, best_shifts, best
