@@ -30,6 +30,7 @@ from cli.assets.generate import generate_command
 from cli.assets.listing import list_command, stats_command
 from cli.assets.program import program_stated
 from cli.assets.progress import shown_progress
+from cli.assets.publish import publish_command
 from cli.assets.review import review_command
 from cli.assets.search import search_command
 from cli.assets.synthesize import synthesize_command
@@ -203,6 +204,7 @@ app.command("doctor")(doctor_command)
 app.command("export")(export_command)
 app.command("gc")(gc_command)
 app.command("list")(list_command)
+app.command("publish")(publish_command)
 app.command("stats")(stats_command)
 app.command("generate")(generate_command)
 app.command("synthesize")(synthesize_command)
