@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from assetkit.batch.arrivals import Selection
 from assetkit.batch.finished_items import FinishedItems
 from assetkit.batch.item_cells import DEFAULT_LIMITS, WORK, Batch, Sources, default_jobs, numbered_items
 from assetkit.batch.report import write_report
@@ -38,6 +39,7 @@ def ingest(
     limits: Limits = DEFAULT_LIMITS,
     resume: bool = False,
     fresh: bool = False,
+    selection: Selection | None = None,
     progress: Progress | None = None,
 ) -> FinishedBatch:
     """Turn source files (or folders of them) into packages in the folder `out`, and return the figures of the batch.
@@ -46,7 +48,8 @@ def ingest(
     `"sim.bullet.simulator:BulletSimulator"`. `options` hold what the caller knows of the sources: units, up axis, role,
     category, licence. `root` is the folder that references may not leave. Cells run at `placement`, by default one per
     core of this machine, each under `limits`. Unchanged sources are taken from the store; `resume` also keeps items
-    that crashed or timed out, `fresh` makes all anew. `out` holds packages, `report.json`, `report.html` and
+    that crashed or timed out, `fresh` makes all anew. With a `selection` only a part of the sources is taken up, the
+    report keeps the earlier items of the others. `out` holds packages, `report.json`, `report.html` and
     `catalog.sqlite` afterwards, also after Ctrl-C (`interrupted` in the report).
 
     Raises FolderInUse while another process writes into `out`, FolderUnusable where nothing (more) can be written,
@@ -68,7 +71,7 @@ def ingest(
             given=given,
         )
         try:
-            return run_batch(source_list, batch, progress)
+            return run_batch(source_list, batch, progress, selection)
         except (OSError, sqlite3.OperationalError) as error:
             reason = failure_of_folder(error, out)
             if reason is None:
@@ -79,7 +82,9 @@ def ingest(
             shutil.rmtree(out / WORK, ignore_errors=True)
 
 
-def run_batch(candidates: Sources, batch: Batch, progress: Progress | None = None) -> FinishedBatch:
+def run_batch(
+    candidates: Sources, batch: Batch, progress: Progress | None = None, selection: Selection | None = None
+) -> FinishedBatch:
     """Run all items, then write report and catalogue, also after Ctrl-C. The caller holds the lock of the folder.
 
     Sources and finished items lie on disk, so memory does not grow with their number.
@@ -87,12 +92,17 @@ def run_batch(candidates: Sources, batch: Batch, progress: Progress | None = Non
     started = time.monotonic()
     interrupted = False
     report_progress = progress or (lambda done, total, item: None)
-    report_progress(0, len(candidates), None)
+    chosen = None if selection is None else selection.split(candidates)
+    count = len(candidates if chosen is None else chosen)
+    report_progress(0, count, None)
     with FinishedItems(batch.out / WORK, len(candidates)) as finished:
+        for position, item in () if chosen is None else chosen.earlier_items():
+            finished.add(position, item)
+        earlier = len(finished)
         try:
-            for position, item in numbered_items(candidates, batch):
-                finished.add(position, item)
-                report_progress(len(finished), len(candidates), item)
+            for number, item in numbered_items(candidates if chosen is None else chosen, batch):
+                finished.add(number if chosen is None else chosen.positions[number], item)
+                report_progress(len(finished) - earlier, count, item)
         except KeyboardInterrupt:
             interrupted = True
         totals = finished.totals(wall_seconds=time.monotonic() - started)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated, cast, get_args
 
@@ -17,6 +18,7 @@ from assetkit.batch.item_cells import default_jobs
 from assetkit.batch.report_file import REPORT
 from assetkit.batch.run_batch import ingest
 from assetkit.batch.suite_rows import withdrawn_roles
+from assetkit.batch.watch import SETTLE_S
 from assetkit.options import AppearanceGenerator, Endpoint, Options, SegmenterCommand, UnitName, UpAxisName
 from assetkit.package.record import RECORD, read_record
 from cli import text
@@ -28,10 +30,12 @@ from cli.assets.generate import generate_command
 from cli.assets.listing import duplicates_command, list_command, stats_command
 from cli.assets.program import program_stated
 from cli.assets.progress import shown_progress
+from cli.assets.publish import publish_command
 from cli.assets.render import render_command
 from cli.assets.review import review_command
 from cli.assets.search import search_command
 from cli.assets.synthesize import synthesize_command
+from cli.assets.watch import watch_sources
 from cli.engines import SIMULATOR
 from cli.findings import show_findings
 from cli.placement import Scheduler, placement_of
@@ -107,6 +111,12 @@ def ingest_command(
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Print every item that is not accepted with all its findings.")
     ] = False,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Stay, and take up new and changed files as they come, until Ctrl-C.")
+    ] = False,
+    settle: Annotated[
+        float, typer.Option(help="With --watch: seconds a file must have stayed the same before it is read.")
+    ] = SETTLE_S,
     as_json: AsJson = False,
 ) -> None:
     """Take files through every stage and release a package for each object.
@@ -115,7 +125,11 @@ def ingest_command(
     rejected, 2 when the command could not run. One ingest at a time writes into an output folder: a second one ends at
     once with exit code 2 and names the process that is at work; a killed one blocks nobody.
 
-    Example: `mana assets ingest scans/ extra/mug.glb --out library --jobs 4 --license CC-BY-4.0`
+    With --watch each item is printed when it is finished, with --json as a line of JSON, and items that fail stop
+    nothing. Between passes the folder is free for other commands. Ctrl-C while it waits is exit code 0.
+
+    Examples: `mana assets ingest scans/ extra/mug.glb --out library --jobs 4 --license CC-BY-4.0`,
+    `mana assets ingest inbox --watch --out library`
     """
     if units not in get_args(UnitName):
         raise typer.BadParameter(f"must be one of {', '.join(get_args(UnitName))}", param_hint="--units")
@@ -149,19 +163,23 @@ def ingest_command(
         max_texture=max_texture,
         retopo=retopo,
     )
+    run = partial(
+        ingest,
+        sources,
+        out,
+        engine=SIMULATOR,
+        options=options,
+        root=root,
+        placement=placement_of(jobs, scheduler),
+        limits=Limits(timeout, memory),
+        resume=resume,
+        fresh=fresh,
+    )
+    if watch:
+        watch_sources(sources, out, run, settle, as_json=as_json)
+        return
     with shown_progress(quiet=as_json) as progress:
-        report = ingest(
-            sources,
-            out,
-            engine=SIMULATOR,
-            options=options,
-            root=root,
-            placement=placement_of(jobs, scheduler),
-            limits=Limits(timeout, memory),
-            resume=resume,
-            fresh=fresh,
-            progress=progress,
-        )
+        report = run(progress=progress)
     if as_json:
         with (out / REPORT).open() as written:
             shutil.copyfileobj(written, sys.stdout)
@@ -216,6 +234,7 @@ app.command("export")(export_command)
 app.command("gc")(gc_command)
 app.command("list")(list_command)
 app.command("duplicates")(duplicates_command)
+app.command("publish")(publish_command)
 app.command("stats")(stats_command)
 app.command("generate")(generate_command)
 app.command("synthesize")(synthesize_command)

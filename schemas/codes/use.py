@@ -13,6 +13,54 @@ USE_CODES: dict[str, CodeInfo] = {
         "use the package's own USD where the value matters",
     ),
     # Semantics.
+    "asset/licence-missing": CodeInfo(
+        "error",
+        "No licence of an asset is on record",
+        "Without a licence nobody but its author may pass an asset on, however it was found.",
+        "find the licence, then `mana assets review LIBRARY ITEM --set license=CC-BY-4.0`, or ingest with --license",
+    ),
+    "asset/licence-unrecognised": CodeInfo(
+        "error",
+        "The licence on record is none whose terms are known here",
+        "What it permits cannot be told from its name, so it is not passed on by default.",
+        "state its SPDX id with its version, or read it and publish with --allow 'TEXT' as it is on record",
+    ),
+    "asset/licence-forbids-release": CodeInfo(
+        "error",
+        "The licence on record forbids to pass the asset on",
+        "Research-only and internal terms, or rights that are reserved, do not allow redistribution.",
+        "leave the asset out with --skip-refused, or record the licence that you were granted",
+    ),
+    "asset/licence-restricted": CodeInfo(
+        "error",
+        "The licence forbids commercial use or changed versions",
+        "A package is a changed version of its source, and users of a release may be companies.",
+        "publish with --allow nc or --allow nd where your permission covers it, or with --skip-refused",
+    ),
+    "asset/attribution-incomplete": CodeInfo(
+        "warning",
+        "The licence asks to name the author, and none is on record",
+        "The release names the source file instead, which may not be enough.",
+        "`mana assets review LIBRARY ITEM --set author=NAME`, then publish again",
+    ),
+    "asset/release-unaccepted": CodeInfo(
+        "error",
+        "An asset of a release awaits a person's decision",
+        "Only accepted and repaired assets have passed all that Mana demands.",
+        "decide with `mana assets review`, or publish with --allow review",
+    ),
+    "asset/release-altered": CodeInfo(
+        "error",
+        "A file of a release is not the one of its manifest",
+        "It was changed, lost or added after the release was written.",
+        "take the release again from where it came, or publish it anew",
+    ),
+    "asset/release-unreadable": CodeInfo(
+        "error",
+        "The manifest of a release cannot be read",
+        "Without it nothing can be said of the files beside it.",
+        "name a folder that `mana assets publish` wrote",
+    ),
     "asset/library-package-damaged": CodeInfo(
         "error",
         "Files of a package are not those of its record",

@@ -1,0 +1,1 @@
+"""Tests of release folders: the terms of licences."""
