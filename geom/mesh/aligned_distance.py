@@ -168,15 +168,23 @@ def _icp(
         means = np.linalg.norm(off, axis=2).mean(axis=1)
         better = means < best
         best[better], best_turns[better], best_shifts[better] = means[better], turns[better], shifts[better]
-        n = normals[index].reshape(placed.shape)
-        jacobian = np.concatenate([np.cross(placed, n), n], axis=2)
-        gradient = np.einsum("ksj,ksi,ksi->kj", jacobian, off, n)
-        hessian = np.einsum("ksi,ksj->kij", jacobian, jacobian)
-        damping = _DAMPING / 6.0 * np.einsum("kii->k", hessian)
-        step: FloatArray = -np.linalg.solve(hessian + damping[:, None, None] * np.eye(6), gradient[:, :, None])[:, :, 0]
+        step = _damped_step(placed, off, normals[index].reshape(placed.shape))
         if np.abs(step).max() < _STILL:
             break
         turn: FloatArray = Rotation.from_rotvec(step[:, :3]).as_matrix()
         shifts = np.einsum("kij,kj->ki", turn, shifts) + step[:, 3:]
         turns = turn @ turns
     return best_turns, best_shifts, best
+
+
+def _damped_step(placed: FloatArray, off: FloatArray, n: FloatArray) -> FloatArray:
+    """(k, 6) rotation vectors and translations that bring placed samples (k, s, 3) nearest to the planes with normals
+    `n` through the points `placed - off`: Gauss-Newton with Levenberg's damping.
+    """
+    jacobian = np.concatenate([np.cross(placed, n), n], axis=2)
+    gradient = np.einsum("ksj,ksi,ksi->kj", jacobian, off, n)
+    hessian = np.einsum("ksi,ksj->kij", jacobian, jacobian)
+    damping = _DAMPING / 6.0 * np.einsum("kii->k", hessian)
+    damped: FloatArray = hessian + damping[:, None, None] * np.eye(6)
+    inverse: FloatArray = np.linalg.inv(damped)
+    return -np.einsum("kij,kj->ki", inverse, gradient)
