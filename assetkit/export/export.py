@@ -138,7 +138,7 @@ def _origins(content: RereadPackage) -> dict[str, FloatArray]:
 
 
 def _added_limits(description: RobotDescription) -> Iterator[Diagnostic]:
-    """What URDF asks for and the package does not state."""
+    """What URDF requires and the package does not state."""
     names = [j.name for j in description.joints if j.limits is not None and not (j.effort and j.velocity)]
     if names:
         headline = (

@@ -50,7 +50,7 @@ _JOINED = re.compile(r"\s+(AND|OR)\s+")  # of SPDX expressions; brackets are not
 
 @dataclass(frozen=True)
 class LicenceTerms:
-    """A licence and what it asks or forbids; `spdx` is its text on record where it is none of the known ones."""
+    """A licence and what it requires or forbids; `spdx` is its text on record where it is none of the known ones."""
 
     spdx: str
     name: str
