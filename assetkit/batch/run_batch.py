@@ -46,8 +46,8 @@ def ingest(
     `"sim.bullet.simulator:BulletSimulator"`. `options` hold what the caller knows of the sources: units, up axis, role,
     category, licence. `root` is the folder that references may not leave. Cells run at `placement`, by default one per
     core of this machine, each under `limits`. Unchanged sources are taken from the store; `resume` also keeps items
-    that crashed or timed out, `fresh` makes all anew. With a `selection` only a part of the sources is taken up, and the
-    report keeps the earlier items of the others. `out` holds packages, `report.json`, `report.html` and
+    that crashed or timed out, `fresh` makes all anew. With a `selection` only a part of the sources is taken up, and
+    the report keeps the earlier items of the others. `out` holds packages, `report.json`, `report.html` and
     `catalog.sqlite` afterwards, also after Ctrl-C (`interrupted` in the report).
 
     Raises FolderInUse while another process writes into `out`, FolderUnusable where nothing (more) can be written,

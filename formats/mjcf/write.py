@@ -1,8 +1,8 @@
 """Writes a `RobotDescription` as MJCF: radians, quaternions, no classes; numbers read back as the same doubles.
 
 A root that is not the world becomes a body welded to it. Mimics become joint equalities, and points that close loops
-`connect` equalities between sites; MuJoCo keeps both softly. Meshes that do not collide are shells to MuJoCo: it refuses
-flat ones as solids, whatever their mass.
+`connect` equalities between sites; MuJoCo keeps both softly. Meshes that do not collide are shells to MuJoCo: it
+refuses flat ones as solids, whatever their mass.
 """
 
 from __future__ import annotations

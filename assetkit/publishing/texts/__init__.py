@@ -1,1 +1,1 @@
-"""Texts of licences that must go along with what they cover; those of Creative Commons may be named by their address."""
+"""Texts of licences that must go along with what they cover; those of Creative Commons are named by address."""

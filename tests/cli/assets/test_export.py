@@ -29,7 +29,7 @@ from usdio.reread.body import RereadPackage, reread_package
 
 ROUGH = SurfaceMaterial("rubber", 1100.0, Contact(static_friction=0.9, dynamic_friction=0.7, restitution=0.3))
 SMOOTH = SurfaceMaterial("wood", 500.0, Contact(static_friction=0.4, dynamic_friction=0.4, restitution=0.0))
-# The usd-core wheel registers no node of MaterialX, so that it calls each of them missing (gate/external_validators.py).
+# The usd-core wheel registers no node of MaterialX, so that it calls each one missing (gate/external_validators.py).
 UNREGISTERED = "usdShadeValidators:ShaderSdrCompliance.MissingShaderIdInRegistry"
 
 

@@ -133,7 +133,7 @@ def test_a_damaged_package_and_a_foreign_folder_stop_a_release(library: Path) ->
     mine.mkdir()
     (mine / "letter.txt").write_text("mine")
     result = CliRunner().invoke(app, ["assets", "publish", str(library), "--out", str(mine)])
-    assert getattr(result.exception, "diagnostic").code == "asset/output-occupied"  # `run` prints it with exit code 1
+    assert result.exception.diagnostic.code == "asset/output-occupied"  # `run` prints it with exit code 1
     assert tree(mine) == {"letter.txt": b"mine"}
     next((library / "mug").glob("usd/payloads/*.usda")).write_text("#usda 1.0\n")
     code, answer = publish(library, "--out", library.parent / "r")
@@ -163,4 +163,4 @@ def test_a_folder_without_a_manifest_cannot_be_checked(text: str | None, tmp_pat
     if text is not None:
         (tmp_path / "manifest.json").write_text(text)
     result = CliRunner().invoke(app, ["assets", "publish", "--check", str(tmp_path)])
-    assert getattr(result.exception, "diagnostic").code == "asset/release-unreadable"
+    assert result.exception.diagnostic.code == "asset/release-unreadable"
