@@ -86,12 +86,15 @@ def printable(name: str) -> str:
 
 def _asset_ids(roots: Mapping[Path, Path]) -> dict[Path, str]:
     """The ids of files with their roots: the slug of the stem; where several share it, each gets 6 hex of its content,
-    and of its path if that is equal.
+    and of its path if that is equal. Files of formats that are not read, of which no package is made, take no slug from
+    others.
     """
     paths = list(roots)
     slugs = {path: slug(path.stem) for path in paths}
-    clashes = Counter(slugs.values())
-    contents = {p: _content(p, roots[p]) for p, s in slugs.items() if clashes[s] > 1}
+    are_read = {p for p in paths if p.suffix.lower() in FORMAT_OF}
+    clashes, claims = Counter(slugs.values()), Counter(slugs[p] for p in are_read)
+    shared = {p for p, s in slugs.items() if (claims if p in are_read else clashes)[s] > 1}
+    contents = {p: _content(p, roots[p]) for p in paths if p in shared}
     ids = {p: f"{s}-{contents[p][:6]}" if p in contents else s for p, s in slugs.items()}
     twins = Counter(ids.values())
     top = os.path.commonpath([p.absolute().parent for p in paths]) if paths else ""

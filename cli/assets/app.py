@@ -300,6 +300,10 @@ def validate_command(
     raise typer.Exit(1 if failed else 0)
 
 
+# Directions of a record with the axes in which they are given.
+_FRAMES = {"upright": "upright, in axes of the source", "front": "front, in axes of the asset"}
+
+
 def _evidence_rows(record: dict) -> list[dict[str, object]]:
     """The headline values of a record, one row each."""
     rows: list[dict[str, object]] = []
@@ -308,7 +312,9 @@ def _evidence_rows(record: dict) -> list[dict[str, object]]:
             if isinstance(value, dict) and "confidence" in value:
                 sure = f"{100 * value['confidence']:.0f} %"
                 source = f"{value['source']}: {value['method']}"
-                rows.append({"what": key, "value": _short(value["value"]), "source": source, "sure": sure})
+                rows.append(
+                    {"what": _FRAMES.get(key, key), "value": _short(value["value"]), "source": source, "sure": sure}
+                )
     looks = [_material_row(material) for material in record.get("appearance", {}).get("render_materials", ())]
     return rows + looks + [_joint_row(use) for use in record.get("joint_uses", ())]
 

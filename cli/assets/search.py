@@ -133,7 +133,7 @@ def _one_of(
     if value in accepted:
         return value
     listed = sorted(set(known))
-    near = difflib.get_close_matches(value.replace("_", " "), [*listed, *aliases], n=3)
+    near = difflib.get_close_matches(value.replace("_", " "), sorted({*listed, *aliases}), n=3)
     hint = f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(listed)}"
     raise typer.BadParameter(f"'{value}' is not known; {hint}", param_hint=flag)
 

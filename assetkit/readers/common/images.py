@@ -7,6 +7,7 @@ from typing import Final
 
 from PIL import (
     BmpImagePlugin,
+    DdsImagePlugin,
     GifImagePlugin,
     Image,
     ImageFile,
@@ -27,6 +28,7 @@ MAX_IMAGE_BYTES: Final = 256 * 2**20
 _DECODERS: tuple[tuple[bytes, type[ImageFile.ImageFile]], ...] = (
     (b"\x89PNG\r\n\x1a\n", PngImagePlugin.PngImageFile),
     (b"\xff\xd8\xff", JpegImagePlugin.JpegImageFile),
+    (b"DDS ", DdsImagePlugin.DdsImageFile),
     (b"BM", BmpImagePlugin.BmpImageFile),
     (b"GIF87a", GifImagePlugin.GifImageFile),
     (b"GIF89a", GifImagePlugin.GifImageFile),
@@ -36,7 +38,6 @@ _DECODERS: tuple[tuple[bytes, type[ImageFile.ImageFile]], ...] = (
 _UNSUPPORTED: tuple[tuple[bytes, str], ...] = (
     (b"\xabKTX 20\xbb", "KTX2"),
     (b"\xabKTX 11\xbb", "KTX"),
-    (b"DDS ", "DDS"),
     (b"sB", "Basis Universal"),
     (b"PVR\x03", "PVR"),
     (b"v/1\x01", "OpenEXR"),
@@ -50,8 +51,8 @@ _UNSUPPORTED: tuple[tuple[bytes, str], ...] = (
 def load_texture(data: bytes, name: str, *, where: Location) -> tuple[Texture | None, tuple[Diagnostic, ...]]:
     """The texture in `data`, called `name`, or None with a warning for the reason.
 
-    PNG and JPEG keep their bytes; WebP, BMP, TGA, GIF (first frame) and TIFF (first page) become PNG. The image is
-    decoded in full once, so that damage shows here and not in a renderer. Warnings: `asset/unsupported-texture` for
+    PNG and JPEG keep their bytes; WebP, BMP, TGA, DDS, GIF (first frame) and TIFF (first page) become PNG. The image
+    is decoded in full once, so that damage shows here and not in a renderer. Warnings: `asset/unsupported-texture` for
     containers that need a GPU transcoder or another decoder, `asset/corrupt-texture` for bytes that do not decode.
 
     Raises InvalidInput (`asset/resource-limit`) when the header announces more than 8192 x 8192 pixels or 256 MiB

@@ -25,6 +25,13 @@ _OTHER_TEXTS = {"XML": (".urdf", ".xml", ".sdf", ".xacro"), "JSON": (".json",)}
 _HTML = re.compile(rb"\s*(<!--.*?-->\s*)*<(!doctype\s+html|html|head|body)\b", re.IGNORECASE | re.DOTALL)
 _XML = re.compile(rb"\s*<(\?xml|collada\b)", re.IGNORECASE)
 _JSON = re.compile(rb'\s*\{\s*"')
+_UTF16 = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}  # byte order marks, Unicode 16.0 section 23.8
+
+
+def as_utf8(data: bytes) -> bytes:
+    """Text with a byte order mark of UTF-16, as some Windows tools save it, as UTF-8; anything else as it is."""
+    encoding = _UTF16.get(data[:2])
+    return data if encoding is None else data[2:].decode(encoding, "replace").encode()
 
 
 def sniff(data: bytes) -> tuple[str, tuple[str, ...]] | None:

@@ -22,6 +22,7 @@ from assetkit.readers.common.phong import (
     roughness_from_exponent,
     unit_interval,
 )
+from assetkit.readers.common.sniff import as_utf8
 from assetkit.readers.common.texture_table import TextureTable, has_alpha, holds_normals
 from assetkit.sources.source_file import SourceFile
 from schemas.appearance.material import Anisotropy, Channel, Material, Origin, Sheen, TextureUse
@@ -76,7 +77,8 @@ def read_mtl(path: Path, source: SourceFile, textures: TextureTable) -> tuple[tu
     Unreadable values are dropped with `asset/invalid-material-value`. A name defined twice keeps the first.
     """
     relative = path.resolve().relative_to(source.root.resolve()).as_posix()
-    blocks = _blocks(path.read_bytes().removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace"), relative)
+    data = as_utf8(path.read_bytes())
+    blocks = _blocks(data.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace"), relative)
     materials: dict[str, Material] = {}
     notes = Notes()
     for block in blocks:

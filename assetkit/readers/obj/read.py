@@ -20,7 +20,7 @@ from assetkit.readers.common.corners import (
     usable_colors,
 )
 from assetkit.readers.common.phong import kept_in_record
-from assetkit.readers.common.sniff import screen_text
+from assetkit.readers.common.sniff import as_utf8, screen_text
 from assetkit.readers.common.texture_table import TextureTable
 from assetkit.readers.obj import text as obj_text
 from assetkit.readers.obj.mtl import read_mtl
@@ -45,7 +45,7 @@ def read_obj(source: SourceFile) -> Outcome[Model]:
     `asset/no-faces`, `asset/nonfinite-vertices`, `asset/index-out-of-range` (a tenth of the faces or more),
     `asset/path-escape`, `asset/remote-reference`.
     """
-    data = source.path.read_bytes()
+    data = as_utf8(source.path.read_bytes())
     where = Location(file=source.relative)
     screen_text(data, "obj", where=where)
     text = obj_text.scan(data, where)

@@ -31,6 +31,7 @@ _TYPES = {
 }
 _FORMATS: dict[str, Literal["", "<", ">"]] = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _END = re.compile(rb"^end_header[ \t]*(\r\n|\n|\r|\Z)", re.MULTILINE)
+_KEYWORDS = frozenset({"format", "comment", "obj_info", "element", "property"})
 _TEXTURE_FILE = re.compile(r"TextureFile\s+(.+)", re.IGNORECASE)
 
 
@@ -95,6 +96,7 @@ def parse_header(data: bytes, where: Location) -> Header:
     comments: list[str] = []
     for number, line in enumerate(lines[1:], 2):
         words = line.split()
+        in_comment = bool(comments) and comments[-1] == lines[number - 2].strip()
         match words:
             case []:
                 continue
@@ -108,6 +110,8 @@ def parse_header(data: bytes, where: Location) -> Header:
                 elements[-1].properties.append(Property(name, _TYPES[type_], _TYPES[count_type]))
             case ["property", type_, name] if elements and type_ in _TYPES:
                 elements[-1].properties.append(Property(name, _TYPES[type_]))
+            case [word, *_] if in_comment and word not in _KEYWORDS:
+                comments.append(line.strip())  # a comment broken over lines, which other readers pass over
             case _:
                 _fail(f"'{line.strip()[:60]}' is not a PLY header line", number, where)
         if elements and len({p.name for p in elements[-1].properties}) < len(elements[-1].properties):

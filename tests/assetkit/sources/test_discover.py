@@ -146,3 +146,12 @@ def test_a_link_out_of_the_walked_folder_is_not_opened_to_see_what_it_is(tmp_pat
         candidates = discover([inside])
         assert watch.events() == []
     assert [Path(c.given).name for c in candidates] == ["part.obj", "part.urdf", "part.usda", "part.xml"]
+
+
+def test_a_file_that_is_not_read_takes_no_name_from_one_that_is(tmp_path: Path):
+    (tmp_path / "mug.obj").write_text(TRIANGLE)
+    (tmp_path / "mug.fbx").write_bytes(b"fbx")
+    (tmp_path / "mug.step").write_bytes(b"step")
+    ids = {c.file.path.name: c.asset_id for c in discover([tmp_path])}
+    assert ids["mug.obj"] == "mug"
+    assert len(set(ids.values())) == 3

@@ -5,6 +5,15 @@ from __future__ import annotations
 from assetkit.acceptance.suites.table import SUITES
 
 NOT_FROM_A_FILE: dict[str, str] = {
+    "asset/export-loss": "tests/cli/assets/test_export.py",
+    "asset/licence-missing": "tests/cli/assets/test_publish.py",
+    "asset/licence-unrecognised": "tests/cli/assets/test_publish.py",
+    "asset/licence-forbids-release": "tests/cli/assets/test_publish.py",
+    "asset/licence-restricted": "tests/cli/assets/test_publish.py",
+    "asset/attribution-incomplete": "tests/cli/assets/test_publish.py",
+    "asset/release-unaccepted": "tests/cli/assets/test_publish.py",
+    "asset/release-altered": "tests/cli/assets/test_publish.py",
+    "asset/release-unreadable": "tests/cli/assets/test_publish.py",
     "asset/blender-missing": "tests/assetkit/readers/blend/test_read.py",
     "asset/blend-version": "tests/assetkit/readers/blend/test_read.py",
     "asset/mass-beyond-bounds": "tests/assetkit/acceptance/test_on_record.py",

@@ -198,3 +198,12 @@ def test_fifty_thousand_triangles_take_little_time(tmp_path: Path) -> None:
     start = time.perf_counter()
     write(content, tmp_path)
     assert time.perf_counter() - start < 5.0
+
+
+def test_a_texture_named_after_its_file_gets_one_extension(tmp_path: Path):
+    mesh = samples.box_mesh(material=0)
+    mesh = replace(mesh, uvs=(samples.uvs(mesh),))
+    photo = replace(samples.PHOTO, name="wood_diff.png")
+    wood = Material("wood", base_color_texture=TextureUse("wood_diff.png"))
+    main_file = write(samples.content(samples.model([mesh], [wood], [photo])), tmp_path)
+    assert [p.name for p in (main_file.parent / "textures").iterdir()] == ["wood_diff.jpg"]

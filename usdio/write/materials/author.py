@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -15,6 +16,9 @@ from usdio.write.materials.modules import module_sources
 from usdio.write.materials.network import Network, TextureFiles
 from usdio.write.materials.outputs import outputs_of
 
+# Names of images in glTF and COLLADA often end as the file did from which they were made.
+_EXTENSION = re.compile(r"\.(png|jpe?g|webp|bmp|tga|tiff?|gif|dds)$", re.IGNORECASE)
+
 
 def texture_files(model: Model, mesh_materials: Sequence[MeshMaterial]) -> dict[str, str]:
     """Texture.name -> file name below `textures/` of every texture that a mesh material uses, in model order."""
@@ -24,7 +28,7 @@ def texture_files(model: Model, mesh_materials: Sequence[MeshMaterial]) -> dict[
         for use in effective(mesh_material.material).texture_uses.values()
     }
     textures = [texture for texture in model.textures if texture.name in used]
-    names = unique_identifiers((texture.name for texture in textures), "texture")
+    names = unique_identifiers((_EXTENSION.sub("", texture.name) for texture in textures), "texture")
     return {texture.name: f"{file}.{texture.extension}" for file, texture in zip(names, textures, strict=True)}
 
 

@@ -57,9 +57,7 @@ def test_gif_palette_becomes_rgb():
     assert Image.open(io.BytesIO(texture.data)).mode == "RGB"
 
 
-@pytest.mark.parametrize(
-    "data", [b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(80), b"DDS " + bytes(124), bytes(4) + b"ftypavif" + bytes(9)]
-)
+@pytest.mark.parametrize("data", [b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(80), bytes(4) + b"ftypavif" + bytes(9)])
 def test_gpu_containers_are_unsupported(data):
     texture, (diagnostic,) = load_texture(data, "t", where=WHERE)
     assert texture is None
@@ -121,3 +119,13 @@ def test_arbitrary_damage_never_escapes(format_, edits, length):
     except InvalidInput:
         return  # The damage hit the size field.
     assert (texture is None) == (len(diagnostics) == 1)
+
+
+def test_dds_textures_are_decoded_and_damaged_ones_named():
+    texture, diagnostics = load_texture(encoded("DDS"), "wood", where=WHERE)
+    assert diagnostics == ()
+    assert texture is not None
+    assert texture.extension == "png"
+    assert np.array_equal(np.asarray(Image.open(io.BytesIO(texture.data)).convert("RGB")), PIXELS)
+    texture, (diagnostic,) = load_texture(b"DDS " + bytes(124), "wood", where=WHERE)
+    assert (texture, diagnostic.code) == (None, "asset/corrupt-texture")

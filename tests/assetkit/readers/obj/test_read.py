@@ -322,3 +322,23 @@ def test_of_several_tiles_the_first_is_shown_and_said(tmp_path: Path) -> None:
     assert outcome.value is not None
     assert [t.name for t in outcome.value.textures] == ["a.1001"]
     assert [d.code for d in outcome.diagnostics] == ["asset/unsupported-texture"]
+
+
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+def test_utf_16_is_read_as_utf_8_is_in_mesh_and_materials(tmp_path: Path, encoding: str) -> None:
+    def write(name: str, text: str) -> None:
+        (tmp_path / name).write_bytes("\ufeff".encode(encoding) + text.encode(encoding))
+
+    write("m.mtl", "newmtl wood\nKd 0.5 0.25 0.125\n")
+    write("a.obj", "mtllib m.mtl\nusemtl wood\n" + SQUARE + "f 1 2 3 4\n")
+    outcome = read_obj(SourceFile(tmp_path / "a.obj", tmp_path))
+    assert outcome.value is not None
+    assert (outcome.value.triangle_count, outcome.value.materials[0].name) == (2, "wood")
+    assert outcome.value.materials[0].unmapped == read_utf8(tmp_path).materials[0].unmapped
+
+
+def read_utf8(folder: Path) -> Model:
+    """The same files as UTF-8."""
+    for path in (folder / "m.mtl", folder / "a.obj"):
+        path.write_text(path.read_bytes().decode("utf-16"))
+    return model(read_obj(SourceFile(folder / "a.obj", folder)))

@@ -229,3 +229,16 @@ def test_real_files_agree_with_the_manifest_and_trimesh() -> None:
         assert model.triangle_count == len(reference.faces), row["id"]
         points = np.concatenate([m.points for m in model.meshes])
         np.testing.assert_allclose(np.ptp(points, axis=0), reference.extents, rtol=1e-6, err_msg=row["id"])
+
+
+def test_a_comment_that_goes_on_without_its_keyword_is_read_as_other_readers_do(tmp_path: Path) -> None:
+    data = trimesh.creation.box((0.1, 0.08, 0.06)).export(file_type="ply", encoding="ascii")
+    plain = data.replace(b"comment https", b"comment scanned by\nsomebody https", 1)
+    assert plain != data
+    broken = read(tmp_path, plain).value
+    whole = read(tmp_path, data).value
+    assert broken is not None
+    assert whole is not None
+    np.testing.assert_array_equal(broken.meshes[0].points, whole.meshes[0].points)
+    with pytest.raises(InvalidInput):
+        read(tmp_path, data.replace(b"element vertex", b"elements vertex", 1))
