@@ -67,7 +67,7 @@ class LicenceTerms:
         return ("nc",) * self.non_commercial + ("nd",) * self.no_derivatives
 
 
-class Judged(NamedTuple):
+class LicenceCheck(NamedTuple):
     """The licences that a release of an asset has to keep to, or the findings for which it is refused."""
 
     terms: tuple[LicenceTerms, ...]
@@ -90,28 +90,28 @@ def known_licences() -> dict[str, LicenceTerms]:
     }
 
 
-def judge_licence(text: str, allowed: frozenset[str], where: Location) -> Judged:
+def judge_licence(text: str, allowed: frozenset[str], where: Location) -> LicenceCheck:
     """The terms of the licence `text` on record of an asset, or why it may not be released.
 
     `allowed` holds "nc" and "nd", and texts of licences that a person has read. In an SPDX expression all licences
     joined by AND count; of those joined by OR the first that may be released.
     """
     if text.strip().lower() in NOT_RECORDED:
-        return Judged((), (finding("asset/licence-missing", "no licence is on record", where=where),))
+        return LicenceCheck((), (finding("asset/licence-missing", "no licence is on record", where=where),))
     if _FORBIDS.search(text):
         headline = f"the licence '{text}' forbids to pass the asset on"
-        return Judged((), (finding("asset/licence-forbids-release", headline, where=where, value=text),))
+        return LicenceCheck((), (finding("asset/licence-forbids-release", headline, where=where, value=text),))
     if text in allowed:
-        return Judged((terms_of(text) or LicenceTerms(text, text),))
+        return LicenceCheck((terms_of(text) or LicenceTerms(text, text),))
     pieces = _JOINED.split(text.strip())
     names, joints = pieces[::2], set(pieces[1::2])
     if len(joints) > 1 or any(mark in text for mark in (" WITH ",)):
-        return Judged((), (_unrecognised(text, where),))
+        return LicenceCheck((), (_unrecognised(text, where),))
     judged = [_judge_one(name, allowed, where) for name in names]
     if joints == {"OR"}:
         return next((each for each in judged if not each.refused), judged[0])
     refused = tuple(reason for each in judged for reason in each.refused)
-    return Judged(() if refused else tuple(terms for each in judged for terms in each.terms), refused)
+    return LicenceCheck(() if refused else tuple(terms for each in judged for terms in each.terms), refused)
 
 
 def terms_of(text: str) -> LicenceTerms | None:
@@ -129,16 +129,16 @@ def terms_of(text: str) -> LicenceTerms | None:
     return by_id.get(_ALIASES.get(words, words).lower())
 
 
-def _judge_one(name: str, allowed: frozenset[str], where: Location) -> Judged:
+def _judge_one(name: str, allowed: frozenset[str], where: Location) -> LicenceCheck:
     terms = terms_of(name)
     if terms is None:
-        return Judged((), (_unrecognised(name, where),))
+        return LicenceCheck((), (_unrecognised(name, where),))
     lacking = [restriction for restriction in terms.restrictions if restriction not in allowed]
     if lacking:
         forbidden = {"nc": "commercial use", "nd": "changed versions"}
         headline = f"{terms.spdx} forbids {' and '.join(forbidden[each] for each in lacking)}"
-        return Judged((), (finding("asset/licence-restricted", headline, where=where, value=", ".join(lacking)),))
-    return Judged((terms,))
+        return LicenceCheck((), (finding("asset/licence-restricted", headline, where=where, value=", ".join(lacking)),))
+    return LicenceCheck((terms,))
 
 
 def _unrecognised(text: str, where: Location) -> Diagnostic:

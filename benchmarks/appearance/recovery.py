@@ -1,7 +1,7 @@
 """Removes the materials of development assets, recovers them, and compares the families with those of the originals.
 
-    python -m benchmarks.assets.recovery ASSETS_DIR [--only TEXT] [--nameless | --keep-names] [--no-pictures]
-    python -m benchmarks.assets.recovery ASSETS_DIR --all | --sheet PNG
+    python -m benchmarks.appearance.recovery ASSETS_DIR [--only TEXT] [--nameless | --keep-names] [--no-pictures]
+    python -m benchmarks.appearance.recovery ASSETS_DIR --all | --sheet PNG
 
 `recovery_truth.csv` names regions of assets and the families that they are of: by the name of the removed material, by
 what a real object is made of, or by what a person sees. Materials, their names, textures and vertex colours are
