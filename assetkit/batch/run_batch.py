@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from assetkit.batch.arrivals import Selection
+from assetkit.batch.arrivals import PassScope
 from assetkit.batch.finished_items import FinishedItems
 from assetkit.batch.item_cells import DEFAULT_LIMITS, WORK, Batch, Sources, default_jobs, numbered_items
 from assetkit.batch.report import write_report
@@ -37,7 +37,7 @@ def ingest(
     limits: Limits = DEFAULT_LIMITS,
     resume: bool = False,
     fresh: bool = False,
-    selection: Selection | None = None,
+    selection: PassScope | None = None,
     progress: Progress | None = None,
 ) -> FinishedBatch:
     """Turn source files (or folders of them) into packages in the folder `out`, and return the figures of the batch.
@@ -81,7 +81,7 @@ def ingest(
 
 
 def run_batch(
-    candidates: Sources, batch: Batch, progress: Progress | None = None, selection: Selection | None = None
+    candidates: Sources, batch: Batch, progress: Progress | None = None, selection: PassScope | None = None
 ) -> FinishedBatch:
     """Run all items, then write report and catalogue, also after Ctrl-C. The caller holds the lock of the folder.
 
