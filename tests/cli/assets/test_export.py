@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
@@ -182,7 +183,9 @@ def test_usdz_passes_every_validator_of_openusd_and_lacks_its_mdl_alone(tmp_path
 def test_the_same_package_gives_the_same_bytes(format_: str, tmp_path: Path) -> None:
     package = packaged(tmp_path / "library", textured())
     digests = []
-    for place in ("one", "two"):
+    for place, written_s in (("one", 1e9), ("two", 1.5e9)):
+        for source in package.rglob("*"):
+            os.utime(source, (written_s, written_s))
         file = exported(package, format_, tmp_path / place)[1]
         files = sorted(p for p in file.parent.rglob("*") if p.is_file())
         digests.append([(p.relative_to(file.parent), hashlib.sha256(p.read_bytes()).hexdigest()) for p in files])
