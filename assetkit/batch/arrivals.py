@@ -76,7 +76,7 @@ class Arrivals:
         }
         self._now_s = now_s
 
-    def next_pass(self, earlier: FinishedBatch | None) -> Arrived | None:
+    def next_pass(self, earlier: FinishedBatch | None) -> PassScope | None:
         """The files that a pass has to take up now, None when nothing has settled since the last one.
 
         A file that was not settled then and is gone counts as changed: it may have held a source back.
@@ -86,9 +86,9 @@ class Arrivals:
         changed = gone | {path for path, state in settled.items() if self._taken.get(path) != state}
         if not changed:
             return None
-        return Arrived(frozenset(self._since.keys() - settled.keys()), frozenset(changed), earlier)
+        return PassScope(frozenset(self._since.keys() - settled.keys()), frozenset(changed), earlier)
 
-    def taken(self, selection: Arrived) -> None:
+    def taken(self, selection: PassScope) -> None:
         """Note that a pass over `selection` has ended: its files wait no more, in the states that were settled."""
         self._unsettled_then = selection.unsettled
         self._taken |= {path: self._since[path][0] for path in selection.changed & self._since.keys()}
@@ -96,7 +96,7 @@ class Arrivals:
 
 
 @dataclass(frozen=True)
-class Arrived:
+class PassScope:
     """The part of the sources that a pass takes up; items of the others are those of the `earlier` pass.
 
     A source is held back while its file is `unsettled`, or another file that is no source itself, if no source has a

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from assetkit.batch.arrivals import Arrived
+from assetkit.batch.arrivals import PassScope
 from assetkit.batch.finished_items import FinishedItems
 from assetkit.batch.item_cells import DEFAULT_LIMITS, WORK, Batch, Sources, default_jobs, numbered_items
 from assetkit.batch.report import write_report
@@ -39,7 +39,7 @@ def ingest(
     limits: Limits = DEFAULT_LIMITS,
     resume: bool = False,
     fresh: bool = False,
-    selection: Arrived | None = None,
+    selection: PassScope | None = None,
     progress: Progress | None = None,
 ) -> FinishedBatch:
     """Turn source files (or folders of them) into packages in the folder `out`, and return the figures of the batch.
@@ -83,7 +83,7 @@ def ingest(
 
 
 def run_batch(
-    candidates: Sources, batch: Batch, progress: Progress | None = None, selection: Arrived | None = None
+    candidates: Sources, batch: Batch, progress: Progress | None = None, selection: PassScope | None = None
 ) -> FinishedBatch:
     """Run all items, then write report and catalogue, also after Ctrl-C. The caller holds the lock of the folder.
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from assetkit.batch.arrivals import Arrivals, Arrived, files_below
+from assetkit.batch.arrivals import Arrivals, PassScope, files_below
 from assetkit.batch.report_file import FinishedBatch
 from jobs.lock import FolderInUse
 
@@ -18,7 +18,7 @@ RESTS_PER_LOOK = 9.0  # rests are that many times as long as looks: at most a te
 def watch(
     sources: Sequence[Path],
     out: Path,
-    run_pass: Callable[[Arrived], FinishedBatch],
+    run_pass: Callable[[PassScope], FinishedBatch],
     *,
     settle_s: float = SETTLE_S,
     look_s: float = LOOK_S,

@@ -109,8 +109,18 @@ def _write_description(
     description = description_of(record.asset_id, content, surfaces.shapes, file.parent)
     written = _as_mjcf(description, content) if mjcf else formats.write_urdf(with_required_limits(description))
     file.write_bytes(written.data)
-    losses = (*surfaces.lost, *written.lost, *contact_losses(content, mjcf=mjcf), *joint_losses(content, mjcf=mjcf))
+    losses = (
+        *surfaces.lost,
+        *map(_as_loss, written.lost),
+        *contact_losses(content, mjcf=mjcf),
+        *joint_losses(content, mjcf=mjcf),
+    )
     return (*losses, *(() if mjcf else _added_limits(description)))
+
+
+def _as_loss(lost: Diagnostic) -> Diagnostic:
+    """A loss of the writer of the format under the one code of exports."""
+    return finding("asset/export-loss", lost.headline, severity=lost.severity)
 
 
 def _as_mjcf(description: RobotDescription, content: RereadPackage) -> WrittenDescription:

@@ -22,6 +22,7 @@ _FORBIDS = re.compile(
     re.IGNORECASE,
 )
 _CC_URL = re.compile(r"creativecommons\.org/(?:licenses/(by[a-z-]*)|publicdomain/(zero))/(\d\.\d)", re.IGNORECASE)
+_CC_ADDRESS = re.compile(r"\S*creativecommons\.org\S*", re.IGNORECASE)
 _CC_NAME = re.compile(r"cc-(by(?:-nc)?(?:-(?:sa|nd))?)-?v?(\d\.\d)(?:-(?:international|unported|generic|license))*")
 _CC_WORDS = (
     (r"creative[ -]?commons", "cc"),
@@ -50,7 +51,7 @@ _JOINED = re.compile(r"\s+(AND|OR)\s+")  # of SPDX expressions; brackets are not
 
 @dataclass(frozen=True)
 class LicenceTerms:
-    """A licence and what it requires or forbids; `spdx` is its text on record where it is none of the known ones."""
+    """A licence with its conditions; `spdx` is its text on record where it is none of the known ones."""
 
     spdx: str
     name: str
@@ -67,7 +68,7 @@ class LicenceTerms:
         return ("nc",) * self.non_commercial + ("nd",) * self.no_derivatives
 
 
-class LicenceCheck(NamedTuple):
+class LicenceVerdict(NamedTuple):
     """The licences that a release of an asset has to keep to, or the findings for which it is refused."""
 
     terms: tuple[LicenceTerms, ...]
@@ -90,36 +91,40 @@ def known_licences() -> dict[str, LicenceTerms]:
     }
 
 
-def judge_licence(text: str, allowed: frozenset[str], where: Location) -> LicenceCheck:
+def judge_licence(text: str, allowed: frozenset[str], where: Location) -> LicenceVerdict:
     """The terms of the licence `text` on record of an asset, or why it may not be released.
 
     `allowed` holds "nc" and "nd", and texts of licences that a person has read. In an SPDX expression all licences
     joined by AND count; of those joined by OR the first that may be released.
     """
     if text.strip().lower() in NOT_RECORDED:
-        return LicenceCheck((), (finding("asset/licence-missing", "no licence is on record", where=where),))
+        return LicenceVerdict((), (finding("asset/licence-missing", "no licence is on record", where=where),))
     if _FORBIDS.search(text):
         headline = f"the licence '{text}' forbids to pass the asset on"
-        return LicenceCheck((), (finding("asset/licence-forbids-release", headline, where=where, value=text),))
+        return LicenceVerdict((), (finding("asset/licence-forbids-release", headline, where=where, value=text),))
     if text in allowed:
-        return LicenceCheck((terms_of(text) or LicenceTerms(text, text),))
+        return LicenceVerdict((terms_of(text) or LicenceTerms(text, text),))
     pieces = _JOINED.split(text.strip())
     names, joints = pieces[::2], set(pieces[1::2])
     if len(joints) > 1 or any(mark in text for mark in (" WITH ",)):
-        return LicenceCheck((), (_unrecognised(text, where),))
+        return LicenceVerdict((), (_unrecognised(text, where),))
     judged = [_judge_one(name, allowed, where) for name in names]
     if joints == {"OR"}:
         return next((each for each in judged if not each.refused), judged[0])
     refused = tuple(reason for each in judged for reason in each.refused)
-    return LicenceCheck(() if refused else tuple(terms for each in judged for terms in each.terms), refused)
+    return LicenceVerdict(() if refused else tuple(terms for each in judged for terms in each.terms), refused)
 
 
 def terms_of(text: str) -> LicenceTerms | None:
-    """The known licence that `text` names: by SPDX id in any case, by name, by address; None for any other text."""
+    """The known licence that `text` names: by SPDX id in any case, by name, by address; None for any other text, also
+    for one with further words, which may be further conditions.
+    """
     if address := _CC_URL.search(text):
         kind, zero, number = address.groups()
-        return known_licences().get("CC0-1.0" if zero else f"CC-{kind.upper()}-{number}")
-    words = re.sub(r"\s*\(.*\)\s*$", "", text.strip().lower())
+        terms = known_licences().get("CC0-1.0" if zero else f"CC-{kind.upper()}-{number}")
+        beside = _CC_ADDRESS.sub("", text).strip(" ,;:()")
+        return terms if not beside or terms_of(beside) == terms else None
+    words = text.strip().lower()
     for pattern, short in _CC_WORDS:
         words = re.sub(pattern, short, words)
     words = re.sub(r"[\s_,]+", "-", words).removeprefix("the-")
@@ -129,16 +134,18 @@ def terms_of(text: str) -> LicenceTerms | None:
     return by_id.get(_ALIASES.get(words, words).lower())
 
 
-def _judge_one(name: str, allowed: frozenset[str], where: Location) -> LicenceCheck:
+def _judge_one(name: str, allowed: frozenset[str], where: Location) -> LicenceVerdict:
     terms = terms_of(name)
     if terms is None:
-        return LicenceCheck((), (_unrecognised(name, where),))
+        return LicenceVerdict((), (_unrecognised(name, where),))
     lacking = [restriction for restriction in terms.restrictions if restriction not in allowed]
     if lacking:
         forbidden = {"nc": "commercial use", "nd": "changed versions"}
         headline = f"{terms.spdx} forbids {' and '.join(forbidden[each] for each in lacking)}"
-        return LicenceCheck((), (finding("asset/licence-restricted", headline, where=where, value=", ".join(lacking)),))
-    return LicenceCheck((terms,))
+        return LicenceVerdict(
+            (), (finding("asset/licence-restricted", headline, where=where, value=", ".join(lacking)),)
+        )
+    return LicenceVerdict((terms,))
 
 
 def _unrecognised(text: str, where: Location) -> Diagnostic:

@@ -101,7 +101,7 @@ INTAKE_CODES: dict[str, CodeInfo] = {
         "error",
         "Reading the file would exceed a resource limit",
         "Decompression, entity and texture bombs take the whole batch down; limits stop them.",
-        "make the named item smaller, or raise the limit if you trust the source",
+        "make the named item smaller, or raise the limit if you trust the source; declared XML entities must go",
     ),
     "asset/source-missing": CodeInfo(
         "error",

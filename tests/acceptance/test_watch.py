@@ -1,4 +1,4 @@
-"""`mana assets ingest --watch` on a folder into which somebody copies: whole files, a slow copy, no mesh."""
+"""`mana assets ingest --watch` on a folder into which files come: whole ones, a slow copy, one that is no mesh."""
 
 from __future__ import annotations
 

@@ -15,7 +15,6 @@ from schemas.diagnostics import Diagnostic, InvalidInput, Location, Severity, fi
 Element: TypeAlias = etree._Element
 _EXTERNAL_ENTITY = re.compile(rb"<!ENTITY[^>]*\b(SYSTEM|PUBLIC)\b|<!DOCTYPE[^>\[]*\b(SYSTEM|PUBLIC)\b", re.IGNORECASE)
 _ENTITY = re.compile(rb"<!ENTITY", re.IGNORECASE)
-_ENTITY_HELP = "remove the <!DOCTYPE ...> with its entities from the file; COLLADA needs none"
 _ENCODING = re.compile(rb"""\A\s*<\?xml[^>]*encoding\s*=\s*["']([A-Za-z0-9._-]+)""")
 _ENCODINGS = frozenset({b"utf-8", b"utf8", b"us-ascii", b"ascii", b"iso-8859-1", b"latin1", b"windows-1252", b"utf-16"})
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
@@ -81,8 +80,7 @@ def parse(data: bytes, where: Location) -> Document:
     if _EXTERNAL_ENTITY.search(plain):
         raise InvalidInput(finding("asset/path-escape", "the file declares an external XML entity", where=where))
     if _ENTITY.search(plain):
-        bomb = finding("asset/resource-limit", "the file declares XML entities", where=where)
-        raise InvalidInput(bomb.model_copy(update={"help": _ENTITY_HELP}))
+        raise InvalidInput(finding("asset/resource-limit", "the file declares XML entities", where=where))
     encoding = _ENCODING.match(plain.lstrip(b"\xef\xbb\xbf\xff\xfe"))
     if encoding and encoding.group(1).lower() not in _ENCODINGS:
         name = encoding.group(1).decode("ascii")

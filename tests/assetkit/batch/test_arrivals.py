@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from assetkit.batch.arrivals import Arrivals, Arrived, files_below
+from assetkit.batch.arrivals import Arrivals, PassScope, files_below
 from assetkit.batch.report_file import FinishedBatch, write_report_json
 from assetkit.sources.discover import discover
 from schemas.outcome import ItemOutcome
@@ -21,13 +21,13 @@ def inbox(tmp_path: Path) -> Path:
     return tmp_path / "inbox"
 
 
-def looks(arrivals: Arrivals, inbox: Path, *times_s: float) -> Arrived | None:
+def looks(arrivals: Arrivals, inbox: Path, *times_s: float) -> PassScope | None:
     for now_s in times_s:
         arrivals.look(files_below([inbox], inbox.parent / "library"), now_s)
     return arrivals.next_pass(None)
 
 
-def chosen(selection: Arrived, inbox: Path) -> list[str]:
+def chosen(selection: PassScope, inbox: Path) -> list[str]:
     return [source.file.path.name for source in selection.split(discover([inbox]))]
 
 
@@ -100,10 +100,10 @@ def test_sources_without_a_change_keep_their_items(inbox: Path) -> None:
     gone = first.model_copy(update={"source": str(inbox / "gone.stl")})
     earlier = FinishedBatch(out, {})
     write_report_json(earlier, (item.model_dump_json().encode() for item in (first, gone)))
-    part = Arrived(frozenset(), frozenset({inbox / "b.stl"}), earlier).split(discover([inbox]))
+    part = PassScope(frozenset(), frozenset({inbox / "b.stl"}), earlier).split(discover([inbox]))
     assert (part.positions, len(part)) == ((1,), 1)
     assert list(part.earlier_items()) == [(0, first.model_copy(update={"cached": ("item",)}))]
-    again = Arrived(frozenset(), frozenset({inbox / "a.stl"}), earlier).split(discover([inbox]))
+    again = PassScope(frozenset(), frozenset({inbox / "a.stl"}), earlier).split(discover([inbox]))
     assert again.positions == (0, 1)  # b has no item yet
 
 

@@ -27,6 +27,9 @@ NOTHING = frozenset[str]()
         ("The Apache License, Version 2.0", "Apache-2.0"),
         ("CC-BY", None),  # of which version?
         ("CC-BY-4.0 for the mesh", None),
+        ("CC-BY-4.0 (not for companies)", None),
+        ("CC-BY-4.0 but ask first, https://creativecommons.org/licenses/by/4.0/", None),
+        ("CC-BY-NC-4.0 (https://creativecommons.org/licenses/by/4.0/)", None),
         ("SCEA Shared Source License 1.0", None),
         ("GPL-3.0", None),
     ],

@@ -26,7 +26,7 @@ OTHER = "stage results of other versions"
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> SmallBatch:
+def first(tmp_path_factory: pytest.TempPathFactory) -> SmallBatch:
     """A library of three packages that a batch has made."""
     batch = small_batch(tmp_path_factory.mktemp("gc"), plain_texts(3), "a_cell_before_gc")
     assert batch.run()["accepted"] == 3
@@ -34,10 +34,10 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> SmallBatch:
 
 
 @pytest.fixture
-def batch(finished: SmallBatch, tmp_path: Path) -> SmallBatch:
+def batch(first: SmallBatch, tmp_path: Path) -> SmallBatch:
     """A copy of it; its sources stay where they were."""
-    subprocess.run(["cp", "-a", str(finished.out), str(tmp_path / "out")], check=True)
-    return finished
+    subprocess.run(["cp", "-a", str(first.out), str(tmp_path / "out")], check=True)
+    return first
 
 
 def gc(library: Path, *flags: str) -> tuple[int, dict[str, tuple[int, int]]]:
