@@ -13,6 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cli.main import app
+from schemas.diagnostics import InvalidInput
 from tests.support.library_samples import packaged, recorded, stated
 from tests.support.package_samples import box_mesh, content, model
 
@@ -92,7 +93,8 @@ REFUSALS: list[tuple[str, dict[str, Any], str]] = [
     ("change", "code"), [(c, code) for _, c, code in REFUSALS], ids=[name for name, _, _ in REFUSALS]
 )
 def test_what_may_not_be_passed_on_is_refused_with_its_code(change: dict[str, Any], code: str, library: Path) -> None:
-    recorded(library / "mug", **({"outcome": "accepted"} | change))
+    fields: dict[str, Any] = {"outcome": "accepted", **change}
+    recorded(library / "mug", **fields)
     release = library.parent / "release"
     status, answer = publish(library, "--out", release)
     assert (status, [(r["code"], r["where"]["file"]) for r in answer["refused"]]) == (1, [(code, "mug")])
@@ -111,7 +113,8 @@ def test_what_may_not_be_passed_on_is_refused_with_its_code(change: dict[str, An
     ],
 )
 def test_what_is_allowed_by_name_is_released(change: dict[str, Any], allow: list[str], library: Path) -> None:
-    recorded(library / "mug", **({"outcome": "accepted"} | change))
+    fields: dict[str, Any] = {"outcome": "accepted", **change}
+    recorded(library / "mug", **fields)
     flags = [flag for each in allow for flag in ("--allow", each)]
     for number in range(len(flags) // 2):
         assert publish(library, "--out", library.parent / "r", *flags[: 2 * number])[0] == 1
@@ -133,6 +136,7 @@ def test_a_damaged_package_and_a_foreign_folder_stop_a_release(library: Path) ->
     mine.mkdir()
     (mine / "letter.txt").write_text("mine")
     result = CliRunner().invoke(app, ["assets", "publish", str(library), "--out", str(mine)])
+    assert isinstance(result.exception, InvalidInput)
     assert result.exception.diagnostic.code == "asset/output-occupied"  # `run` prints it with exit code 1
     assert tree(mine) == {"letter.txt": b"mine"}
     next((library / "mug").glob("usd/payloads/*.usda")).write_text("#usda 1.0\n")
@@ -163,4 +167,5 @@ def test_a_folder_without_a_manifest_cannot_be_checked(text: str | None, tmp_pat
     if text is not None:
         (tmp_path / "manifest.json").write_text(text)
     result = CliRunner().invoke(app, ["assets", "publish", "--check", str(tmp_path)])
+    assert isinstance(result.exception, InvalidInput)
     assert result.exception.diagnostic.code == "asset/release-unreadable"
