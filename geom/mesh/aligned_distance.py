@@ -186,5 +186,5 @@ def _damped_step(placed: FloatArray, off: FloatArray, n: FloatArray) -> FloatArr
     hessian = np.einsum("ksi,ksj->kij", jacobian, jacobian)
     damping = _DAMPING / 6.0 * np.einsum("kii->k", hessian)
     damped: FloatArray = hessian + damping[:, None, None] * np.eye(6)
-    inverse: FloatArray = np.linalg.inv(damped)
+    inverse: FloatArray = np.asarray(np.linalg.inv(damped), dtype=np.float64)
     return -np.einsum("kij,kj->ki", inverse, gradient)
