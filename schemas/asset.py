@@ -20,7 +20,6 @@ from schemas.model import Axis
 from schemas.outcome import ItemOutcome, Repair
 from schemas.parts import Part
 from schemas.physics import Contact, Fidelity
-from schemas.shape_descriptor import ShapeDescriptor
 
 SCHEMA_VERSION = "1.0"
 RECORD = "record.json"
@@ -121,6 +120,24 @@ class AnnotationFrame(_Section):
 
     centre_m: Vec3
     scale_m: float
+
+
+class ShapeDescriptor(_Section):
+    """Rotation- and scale-invariant figures of a surface in units of `scale_m`.
+
+    All are area-weighted, so that the tessellation hardly matters.
+
+    scale_m         root mean square distance of the surface from its area centroid.
+    second_moments  principal second moments about the centroid, largest first; they add up to 1.
+    third_moments   norm of the third-moment tensor and of its trace vector `v_i = T_ijj`.
+    distances       quantiles of the distance between two random surface points (Osada et al. 2002, D2), at the middles
+                    of equal shares.
+    """
+
+    scale_m: float
+    second_moments: tuple[float, float, float]
+    third_moments: tuple[float, float]
+    distances: tuple[float, ...]
 
 
 class GeometrySection(_Section):

@@ -10,7 +10,7 @@ import numpy as np
 
 from geom.mesh.surface_distance import sample_surface, triangle_areas
 from schemas.arrays import FloatArray, IntArray
-from schemas.shape_descriptor import ShapeDescriptor
+from schemas.asset import ShapeDescriptor
 
 PAIRS = 16384  # Of points: the sampling error of a quantile is about 1 / sqrt(PAIRS), 0.8 % of the spread.
 QUANTILES = 16  # Enough to separate distributions of different modes; 64 separate no pair of assets that 16 do not.

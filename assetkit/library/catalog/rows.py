@@ -9,8 +9,7 @@ import numpy as np
 from assetkit.library.search.facts import Facts, facts_of, texts_of
 from geom.features.shape_descriptor import MOMENTS, QUANTILES, vector_of
 from jobs.cache import content_key
-from schemas.asset import AssetRecord
-from schemas.shape_descriptor import ShapeDescriptor
+from schemas.asset import AssetRecord, ShapeDescriptor
 
 Row = tuple[object, ...]
 UNKNOWN = "unknown"

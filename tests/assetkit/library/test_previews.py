@@ -4,15 +4,16 @@ from pathlib import Path
 
 import pytest
 
+from assetkit.batch.item_cells import DEFAULT_LIMITS
 from assetkit.library.previews import pictures
 from jobs.cell import Limits
 from schemas.diagnostics import InvalidInput
 from tests.support.bad_inputs.assets import CUBE, obj_text
 
 
-def refusal(path: Path, out: Path, limits: Limits | None = None) -> str:
+def refusal(path: Path, out: Path, limits: Limits = DEFAULT_LIMITS) -> str:
     with pytest.raises(InvalidInput) as caught:
-        pictures(path, out, ("beauty",), **({"limits": limits} if limits else {}))
+        pictures(path, out, ("beauty",), limits=limits)
     return caught.value.diagnostic.code
 
 

@@ -22,7 +22,7 @@ from cli.main import app
 from schemas.appearance.material import Material, TextureUse
 from schemas.package import PackageContent
 from schemas.physics import Contact, SurfaceMaterial
-from tests.support.library_samples import packaged
+from tests.support.library.library_samples import packaged
 from tests.support.mechanism.mechanism_samples import articulated
 from tests.support.package_samples import PHOTO, box_mesh, content, full_material, hull_shape, model, uvs
 from tests.support.present import present

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from cli.main import app
 from schemas.diagnostics import InvalidInput
-from tests.support.library_samples import packaged, recorded, stated
+from tests.support.library.library_samples import packaged, recorded, stated
 from tests.support.package_samples import box_mesh, content, model
 
 ADA = {"license": stated("CC-BY-4.0"), "author": stated("Ada")}

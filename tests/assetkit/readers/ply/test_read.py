@@ -233,6 +233,7 @@ def test_real_files_agree_with_the_manifest_and_trimesh() -> None:
 
 def test_a_comment_that_goes_on_without_its_keyword_is_read_as_other_readers_do(tmp_path: Path) -> None:
     data = trimesh.creation.box((0.1, 0.08, 0.06)).export(file_type="ply", encoding="ascii")
+    assert isinstance(data, bytes)
     plain = data.replace(b"comment https", b"comment scanned by\nsomebody https", 1)
     assert plain != data
     broken = read(tmp_path, plain).value

@@ -7,7 +7,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-SAMPLE = Path(__file__).parents[1] / "data" / "record.json"
+SAMPLE = Path(__file__).parents[2] / "data" / "record.json"
 CATEGORIES = ("mug", "bowl", "cabinet", "unknown", "thingamajig")
 FAMILIES = {"mug": "drinkware", "bowl": "kitchenware"}
 ROLES = ("receptacle", "manipulated", "mechanism")

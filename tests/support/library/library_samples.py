@@ -14,7 +14,7 @@ from schemas.package import PackageContent
 from usdio.reread.body import reread_package
 from usdio.write.package import write_package
 
-RECORD_SAMPLE = Path(__file__).parents[1] / "data" / "record.json"
+RECORD_SAMPLE = Path(__file__).parents[2] / "data" / "record.json"
 
 
 def packaged(out: Path, content: PackageContent, source: Mapping[str, Any] | None = None, **fields: Any) -> Path:

@@ -16,7 +16,7 @@ from assetkit.library.catalog.migrations import MIGRATIONS
 from assetkit.library.search.parse_query import parse_query
 from assetkit.library.search.query import Criterion
 from assetkit.library.search.search import SearchResult, search
-from tests.support.record_library import random_record, write
+from tests.support.library.record_library import random_record, write
 
 # Every table of the catalog with its rows, without what may differ: keys, numbers of rows and stamps.
 QUERIES = {

@@ -1,4 +1,4 @@
-"""Speed of a large catalog: `python -m benchmarks.assets.catalog --rows 100000 [--library LIBRARY]`.
+"""Speed of a large catalog: `python -m benchmarks.library.catalog --rows 100000 [--library LIBRARY]`.
 
 Rows are made from real records, those of LIBRARY or the one of the tests: another id, name, category, size, mass,
 colours, licence and a shifted shape descriptor, drawn from a seed; anchors, joints, parts and affordances stay. Prints

@@ -1,4 +1,4 @@
-"""Precision and recall of near-duplicates: `python -m benchmarks.assets.near_duplicates ASSETS [KIND...]`.
+"""Precision and recall of near-duplicates: `python -m benchmarks.library.near_duplicates ASSETS [KIND...]`.
 
 Each of `OBJECTS` (below the folder ASSETS) is another object, some of the same category. Its copies are: turned, scaled
 and with shuffled triangles; exported to OBJ with six digits and read again; with 90 % and 60 % of its triangles; a

@@ -1,0 +1,1 @@
+"""Figures of whole libraries: speed of the catalog, near-duplicates that are found."""

@@ -1,0 +1,1 @@
+"""Libraries made in a moment: packages with sample records, and records alone."""
