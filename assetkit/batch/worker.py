@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 from assetkit.batch import result_store
 from assetkit.batch.item_cells import candidate_of, rejected
@@ -21,12 +22,17 @@ from sim.named_engine import load_engine
 
 
 def main(request_file: str) -> None:
-    """Process the source named by the request and write its result where the request says."""
+    """Carry out the request in the file, without network unless its options name a model. For a process of its own."""
     request = json.loads(Path(request_file).read_text())
+    if not Options.model_validate(request["options"]).calls_a_model:
+        leave_network()  # Before anything of the source is read. Where the system forbids it, limits are what is left.
+    process_request(request)
+
+
+def process_request(request: dict[str, Any]) -> None:
+    """Process the source named by the request and write its result where the request says."""
     candidate = candidate_of(request)
     out, options = Path(request["out"]), Options.model_validate(request["options"])
-    if not options.calls_a_model:
-        leave_network()  # Before anything of the source is read. Where the system forbids it, limits are what is left.
     with load_engine(request["engine"])() as simulator:
         item = process_source(
             candidate,

@@ -265,8 +265,7 @@ def test_a_source_removed_while_it_is_read_is_missing(sources: Path, tmp_path: P
     """The real worker: whatever a reader makes of a file that is gone, the item says that it is gone."""
     source = sources / "a.obj"
     [candidate] = discover([source])
-    request = tmp_path / "request.json"
-    asked = {
+    request = {
         "given": candidate.given,
         "path": str(source),
         "root": str(sources),
@@ -279,9 +278,8 @@ def test_a_source_removed_while_it_is_read_is_missing(sources: Path, tmp_path: P
         "work_dir": str(tmp_path / "work"),
         "note": str(tmp_path / "note.json"),
     }
-    request.write_text(json.dumps(asked))
     source.unlink()
-    worker.main(str(request))
+    worker.process_request(request)
     stored = result_store.read_stored(tmp_path / "note.json")
     assert stored is not None
     assert stored.item.codes == ("asset/source-missing",)

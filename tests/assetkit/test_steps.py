@@ -94,8 +94,8 @@ def test_parts_of_the_pipeline_keep_its_order() -> None:
     names = [step.name for step in STAGES.steps]
     assert names == list(RESULT_FIELDS.values())
     assert [step.name for step in STAGES.up_to("semantics").steps] == names[:4]
-    assert STAGES.from_stage("physics").start == 5
+    assert STAGES.from_stage("physics").start == names.index("physics") == 6
     before = STAGES.before("physics")
     assert before is not None
-    assert (before.name, STAGES.before("retopology")) == ("interaction", None)
+    assert (before.name, STAGES.before("retopology")) == ("recovery", None)
     assert np.all([stage.name in names for stage in STAGES.stages("canonicalize", "physics")])
