@@ -27,7 +27,7 @@ def stage_picture(stage: Path, view: CameraView, size_px: int) -> bytes:
         request = Path(place) / "request.npz"
         asked = RenderRequest(model=outcome.value, shapes=(), out_dir=place, size_px=size_px, views=(view,))
         array_files.save(asked, RenderRequest, request)
-        result = run_module("render", [str(request)], _LIMITS)
+        result = run_module("render", ["previews", str(request)], _LIMITS)
         if result.status != "ok":
             raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
         return (Path(place) / f"{view.name}.png").read_bytes()

@@ -1,47 +1,44 @@
-"""`python -m render REQUEST.npz`: draw one saved `RenderRequest`; run it in a cell.
+"""`python -m render WHAT REQUEST.npz`: draw one saved request; run it in a cell.
 
-Exit codes: 0 all pictures written; 2 wrong arguments or an unreadable request; 3 no software OpenGL on this system (the
-message names the packages). A graphics driver without its back end kills the process with a signal.
+WHAT names a row of `REQUESTS`. Exit codes: 0 all pictures written; 2 wrong arguments or an unreadable request; 3 no
+software OpenGL on this system (the message names the packages). A graphics driver without its back end kills the
+process with a signal.
 """
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TypeVar
+from pkgutil import resolve_name
 
 NO_OPENGL = 3
-T = TypeVar("T")
+# Each kind of drawing: the type of its request and the function that draws one, imported when it is needed.
+REQUESTS: Mapping[str, tuple[str, str]] = {
+    "previews": ("render.request:RenderRequest", "render.views:render_all"),
+    "frames": ("render.frames_request:FramesRequest", "render.frames:draw_frames"),
+    "mode": ("render.modes.request:ModeRequest", "render.modes.draw:draw_mode"),
+    "motion": ("render.motion_request:MotionRequest", "render.joints:draw_motion"),
+    "variants": ("render.variants.request:VariantsRequest", "render.variants.draw:draw_variants"),
+}
 
 
 def main(argv: list[str]) -> int:
-    """Draw the request at `argv[0]`; returns the exit code."""
-    use_one_thread()
-    from render.request import RenderRequest
-    from render.views import render_all
-
-    return draw_saved(argv, RenderRequest, render_all)
-
-
-def use_one_thread() -> None:
-    """Limit llvmpipe to one core, since a batch runs a process per core; call before VTK is loaded."""
+    """Draw the request at `argv[1]`, of the kind `argv[0]`; returns the exit code."""
+    if len(argv) != 2 or argv[0] not in REQUESTS:
+        sys.stderr.write(f"usage: python -m render {'|'.join(REQUESTS)} REQUEST.npz\n")
+        return 2
+    # llvmpipe keeps to one core, since a batch runs a process per core; VTK reads this when it is loaded.
     os.environ.setdefault("LP_NUM_THREADS", "0")
-
-
-def draw_saved(argv: list[str], kind: type[T], draw: Callable[[T], object]) -> int:
-    """Draw the request of this kind at `argv[0]`; returns the exit code."""
     from render.window import NoOpenGL
     from schemas.files import array_files
 
-    if len(argv) != 1:
-        sys.stderr.write("usage: python -m render REQUEST.npz\n")
-        return 2
+    kind, draw = (resolve_name(name) for name in REQUESTS[argv[0]])
     try:
-        request = array_files.load(kind, Path(argv[0]))
+        request = array_files.load(kind, Path(argv[1]))
     except (OSError, ValueError) as error:
-        sys.stderr.write(f"cannot read {argv[0]}: {error}\n")
+        sys.stderr.write(f"cannot read {argv[1]}: {error}\n")
         return 2
     try:
         draw(request)

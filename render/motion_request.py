@@ -13,7 +13,7 @@ from schemas.model import Model
 @dataclass(frozen=True)
 class MotionRequest:
     """An object to draw in several poses through one camera: save and draw it as a `RenderRequest`, with
-    `python -m render.motion_worker`.
+    `python -m render motion`.
 
     model    canonical.
     motions  (k, 4, 4) by the name of each link that its meshes have: what the motion does to points of the asset frame,

@@ -24,6 +24,7 @@ from schemas.arrays import AnyFloatArray, Float32Array
 from schemas.model import Mesh, Model
 
 _NEUTRAL = Material(name="neutral", base_color=(0.62, 0.62, 0.62), roughness=0.6)
+FAINT = (0.55, 0.55, 0.55)  # a body of which something else is to be seen
 _COLOR = "manaColor"
 
 

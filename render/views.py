@@ -12,18 +12,16 @@ from render.camera import HERO_VIEW, AnnotationFrame, annotation_frame, camera, 
 from render.collision import collision_actors, shape_mesh
 from render.grasps import grasp_actors, half_extents
 from render.joints import draw_strip
+from render.modes.beauty import is_translucent, looks
 from render.parts import draw_parts
 from render.ready_studio import take_studio
 from render.request import RenderRequest
 from render.studio import floor
 from render.surface_samples import surface_samples
-from render.surfaces import ShadedSurface, actor, plain_actor, surfaces
-from render.textures import TextureSet
-from render.window import SUPERSAMPLING, enable_depth_peeling, save_png, take_picture
+from render.surfaces import FAINT, ShadedSurface, plain_actor, surfaces
+from render.window import enable_depth_peeling, save_png, take_picture
 
 THUMBNAIL_PX = 256
-_FAINT = (0.55, 0.55, 0.55)
-_THIN = 0.01  # Needles thinner than this share of their length are drawn as lines, else they fall between samples.
 
 
 def render_all(request: RenderRequest) -> dict[str, Path]:
@@ -31,7 +29,7 @@ def render_all(request: RenderRequest) -> dict[str, Path]:
     `parts` if there are parts, `joints` if the joints of a mechanism are to be shown.
 
     Raises NoOpenGL when the system has no software OpenGL. A driver without its back end may kill the process: run it
-    in a cell (`python -m render`).
+    in a cell (`python -m render previews`).
     """
     folder = Path(request.out_dir)
     folder.mkdir(parents=True, exist_ok=True)
@@ -64,14 +62,10 @@ def _draw_views(
     window: vtkRenderWindow,
     renderer: vtkRenderer,
 ) -> dict[str, Image.Image]:
-    textures = TextureSet(request.model.textures)
-    visuals = [actor(part, textures) for part in parts]
+    visuals = looks(request.model, frame, parts)
     for visual in visuals:
         renderer.AddActor(visual)
-        if np.sort(frame.extent)[1] < _THIN:
-            visual.GetProperty().SetRepresentationToWireframe()
-            visual.GetProperty().SetLineWidth(2.0 * SUPERSAMPLING)
-    if any(visual.GetForceTranslucent() for visual in visuals):
+    if is_translucent(visuals):
         enable_depth_peeling(renderer)
     sizes = dict.fromkeys(request.views, request.size_px) | {HERO_VIEW: THUMBNAIL_PX}
     pictures = {v.name: take_picture(window, renderer, camera(v, frame.extent), px) for v, px in sizes.items()}
@@ -89,7 +83,7 @@ def _draw_collision(
 ) -> Image.Image:
     meshes = [shape_mesh(shape, frame) for shape in request.shapes]
     if parts:
-        renderer.AddActor(plain_actor(parts, _FAINT))
+        renderer.AddActor(plain_actor(parts, FAINT))
     for overlay in collision_actors(meshes):
         renderer.AddActor(overlay)
     enable_depth_peeling(renderer)
@@ -107,7 +101,7 @@ def _draw_grasps(
     renderer: vtkRenderer,
 ) -> Image.Image:
     if parts:
-        renderer.AddActor(plain_actor(parts, _FAINT))
+        renderer.AddActor(plain_actor(parts, FAINT))
     for lines in grasp_actors(request.grasps, frame):
         renderer.AddActor(lines)
     lens = camera(HERO_VIEW, np.maximum(frame.extent, 2.0 * half_extents(request.grasps, frame)))

@@ -54,13 +54,13 @@ def render_previews(
     with tempfile.TemporaryDirectory(dir=work_dir) as place:
         legend, part_of = shown_parts(model, parts)
         request = RenderRequest(model, shapes, place, grasps=grasps, parts=legend, part_of=part_of, joints=joints)
-        return {p.stem: p.read_bytes() for p in _drawn(request, RenderRequest, "render", Path(place))}
+        return {p.stem: p.read_bytes() for p in _drawn(request, RenderRequest, "previews", Path(place))}
 
 
 def render_mode(request: ModeRequest) -> list[Path]:
     """Draws a request of a mode; the pictures in its folder. Raises as `render_previews`."""
     with tempfile.TemporaryDirectory(dir=request.out_dir) as place:
-        drawn = _drawn(replace(request, out_dir=place), ModeRequest, "render.modes", Path(place))
+        drawn = _drawn(replace(request, out_dir=place), ModeRequest, "mode", Path(place))
         return [picture.replace(Path(request.out_dir) / picture.name) for picture in drawn]
 
 
@@ -74,7 +74,7 @@ def render_views(
     work_dir.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=work_dir) as place:
         request = RenderRequest(model, (), place, size_px, box_m=box_m)
-        pictures = {p.stem: p.read_bytes() for p in _drawn(request, RenderRequest, "render", Path(place))}
+        pictures = {p.stem: p.read_bytes() for p in _drawn(request, RenderRequest, "previews", Path(place))}
     return {view.name: pictures[view.name] for view in STANDARD_VIEWS}
 
 
@@ -98,14 +98,14 @@ def render_motion(
     """
     with tempfile.TemporaryDirectory(dir=work_dir) as place:
         request = MotionRequest(model, dict(motions), place, size_px)
-        return [p.read_bytes() for p in _drawn(request, MotionRequest, "render.motion_worker", Path(place))]
+        return [p.read_bytes() for p in _drawn(request, MotionRequest, "motion", Path(place))]
 
 
-def _drawn(request: T, kind: type[T], module: str, place: Path) -> list[Path]:
-    """The pictures that `module` draws of the request, which names the folder `place` for them."""
+def _drawn(request: T, kind: type[T], what: str, place: Path) -> list[Path]:
+    """The pictures of a request of `render`, which names the folder `place` for them."""
     file = place / "request.npz"
     array_files.save(request, kind, file)
-    result = run_module(module, [str(file)], LIMITS)
+    result = run_module("render", [what, str(file)], LIMITS)
     require_storage(result)
     if result.status != "ok":
         raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")

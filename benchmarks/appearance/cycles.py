@@ -88,19 +88,11 @@ def draw(
     return {view.name: read_picture(out / f"{view.name}.png") for view in views}
 
 
-def draw_gltf(
-    file: Path,
-    X_AS: FloatArray,
-    frame: AnnotationFrame,
-    out: Path,
-    quality: Quality,
-    seed: int = SEED,
-    views: Sequence[CameraView] = STANDARD_VIEWS,
-) -> dict[str, Picture]:
-    """The same of a glTF file, with X_AS (4, 4) from the axes of the file."""
+def from_gltf(X_AS: FloatArray) -> FloatArray:
+    """X_AB (4, 4), from the frame in which Blender imports a glTF file, for X_AS from the axes of that file."""
     X_AB = X_AS.copy()
     X_AB[:3, :3] = X_AS[:3, :3] @ R_SB
-    return draw(file, X_AB, frame, out, quality, seed, views)
+    return X_AB
 
 
 def read_picture(file: Path) -> Picture:

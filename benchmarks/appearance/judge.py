@@ -30,7 +30,6 @@ from assetkit.batch.report_file import read_items
 from assetkit.library.validate import main_usd_files
 from assetkit.package.record import read_record
 from benchmarks.appearance import cycles, sheet
-from benchmarks.appearance.cycles import draw_gltf
 from benchmarks.appearance.flip import mean_flip
 from benchmarks.appearance.own_pictures import draw_release, draw_source, lacking
 from benchmarks.appearance.samples import Sample, samples
@@ -85,8 +84,9 @@ def compare(sample: Sample, packages: Sequence[Path], out: Path, quality: cycles
         raise NotCompared("the package has no readable record")
     release, frame = main_usd_files(package)[0], box_frame(record)
     X_AS = X_AS_of(record)
-    source = draw_gltf(sample.source, X_AS, frame, out / "source", quality)
-    again = draw_gltf(sample.source, X_AS, frame, out / "source_again", quality, OTHER_SEED, NOISE_VIEWS)
+    X_AB = cycles.from_gltf(X_AS)
+    source = cycles.draw(sample.source, X_AB, frame, out / "source", quality)
+    again = cycles.draw(sample.source, X_AB, frame, out / "source_again", quality, OTHER_SEED, NOISE_VIEWS)
     released = cycles.draw(release, np.eye(4), frame, out / "release", quality)
     own_source = draw_source(sample.source, X_AS, frame, source, out, quality.size_px)
     own_release = draw_release(release, frame, released, out, quality.size_px)

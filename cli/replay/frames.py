@@ -150,7 +150,7 @@ def _draw(request: FramesRequest) -> None:
     with tempfile.TemporaryDirectory(prefix="mana") as place:
         file = Path(place) / "request.npz"
         array_files.save(request, FramesRequest, file)
-        result = run_module("render.frames_worker", [str(file)], _LIMITS)
+        result = run_module("render", ["frames", str(file)], _LIMITS)
     if result.status != "ok":
         raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")
 

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from PIL import Image
-from vtkmodules.vtkRenderingCore import vtkActor
 
 from render.camera import AnnotationFrame, camera, model_frame
 from render.modes.beauty import beauty
 from render.modes.collision import collision
+from render.modes.drawn import Drawn
 from render.modes.painted_parts import painted_parts
 from render.modes.physics import physics
 from render.modes.request import Mode, ModeRequest
-from render.modes.sheet import Legend, contact_sheet
+from render.modes.sheet import contact_sheet
 from render.modes.wire import wire
 from render.ready_studio import take_studio
 from render.studio import floor
@@ -23,29 +22,14 @@ from render.surface_samples import surface_samples
 from render.surfaces import ShadedSurface, surfaces
 from render.window import enable_depth_peeling, save_png, take_picture
 
-
-@dataclass(frozen=True)
-class Drawn:
-    """What a mode shows: actors in the annotation frame, whether some are translucent, a legend."""
-
-    actors: tuple[vtkActor, ...]
-    translucent: bool = False
-    legend: Legend = ()
-
-
 Draw = Callable[[ModeRequest, AnnotationFrame, tuple[ShadedSurface, ...]], Drawn]
 
-
-def _drawn(function: Callable[..., tuple[tuple[vtkActor, ...], bool, Legend]]) -> Draw:
-    return lambda request, frame, parts: Drawn(*function(request, frame, parts))
-
-
 MODES: Mapping[Mode, Draw] = {
-    "beauty": _drawn(beauty),
-    "wire": _drawn(wire),
-    "parts": _drawn(painted_parts),
-    "collision": _drawn(collision),
-    "physics": _drawn(physics),
+    "beauty": beauty,
+    "wire": wire,
+    "parts": painted_parts,
+    "collision": collision,
+    "physics": physics,
 }
 
 
@@ -53,7 +37,7 @@ def draw_mode(request: ModeRequest) -> dict[str, Path]:
     """Writes the picture of each view and the sheet; their paths by name.
 
     Raises NoOpenGL when the system has no software OpenGL. A driver without its back end may kill the process: run it
-    in a cell (`python -m render.modes`).
+    in a cell (`python -m render mode`).
     """
     folder = Path(request.out_dir)
     frame = model_frame(request.model)

@@ -13,11 +13,11 @@ from vtkmodules.vtkRenderingCore import vtkActor
 
 from geom.mesh.primitives import sphere
 from render.camera import AnnotationFrame
-from render.modes.collision import FAINT
+from render.modes.drawn import Drawn
 from render.modes.request import DrawnMass, ModeRequest
-from render.modes.sheet import Legend, plain_number
+from render.modes.sheet import plain_number
 from render.modes.wire import line_actor
-from render.surfaces import ShadedSurface, actor, plain_actor
+from render.surfaces import FAINT, ShadedSurface, actor, plain_actor
 from render.textures import TextureSet
 from schemas.appearance.material import Material
 from schemas.arrays import FloatArray
@@ -31,9 +31,7 @@ _AXIS, _BALL_SEGMENTS = 0.22, 24  # half length of an axis, in the same unit
 _AXIS_PX = 3.0
 
 
-def physics(
-    request: ModeRequest, frame: AnnotationFrame, parts: tuple[ShadedSurface, ...]
-) -> tuple[tuple[vtkActor, ...], bool, Legend]:
+def physics(request: ModeRequest, frame: AnnotationFrame, parts: tuple[ShadedSurface, ...]) -> Drawn:
     """A translucent body with the mass properties of each moving body; the legend has the numbers."""
     actors = [_translucent(parts)] if parts else []
     legend: list[tuple[tuple[float, float, float], str]] = []
@@ -50,7 +48,7 @@ def physics(
         legend.append(
             (_BOX, "box of even density with the same inertia; principal axes red, green, blue by rising moment")
         )
-    return tuple(actors), True, tuple(legend) or ((FAINT, "no mass on record"),)
+    return Drawn(tuple(actors), True, tuple(legend) or ((FAINT, "no mass on record"),))
 
 
 def inertia_box_m(mass: DrawnMass) -> FloatArray:

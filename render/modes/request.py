@@ -32,7 +32,7 @@ class DrawnMass:
 
 @dataclass(frozen=True)
 class ModeRequest:
-    """One object to draw in one mode: save with `schemas.files.array_files.save`, run `python -m render.modes`.
+    """One object to draw in one mode: save with `schemas.files.array_files.save`, run `python -m render mode`.
 
     model    canonical: metres, z-up, +x is the front, origin at the bottom centre.
     shapes   collision shapes in the frame of the model; masses: of each moving body.

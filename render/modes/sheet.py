@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 
 from PIL import Image, ImageDraw, ImageFont
 
-Legend = Sequence[tuple[tuple[float, float, float], str]]  # sRGB and words
+from render.modes.drawn import Legend
+
 _PAPER, _INK, _PALE = (255, 255, 255), (28, 32, 40), (110, 116, 126)
 _MOST_COLUMNS = 4
 _GAP_SHARE, _TEXT_SHARE, _TITLE_SHARE = 0.03, 0.032, 0.05  # of the edge of a picture

@@ -6,8 +6,8 @@ import numpy as np
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
 from render.camera import AnnotationFrame
+from render.modes.drawn import Drawn
 from render.modes.request import ModeRequest
-from render.modes.sheet import Legend
 from render.polydata import line_segments
 from render.surfaces import ShadedSurface, plain_actor
 from schemas.arrays import FloatArray
@@ -17,16 +17,14 @@ _WIRE = (0.1, 0.16, 0.28)
 _WIRE_PX = 1.0  # of the picture with several samples per pixel: half a pixel in the end
 
 
-def wire(
-    _request: ModeRequest, _frame: AnnotationFrame, parts: tuple[ShadedSurface, ...]
-) -> tuple[tuple[vtkActor, ...], bool, Legend]:
+def wire(_request: ModeRequest, _frame: AnnotationFrame, parts: tuple[ShadedSurface, ...]) -> Drawn:
     """A pale body and its edges; the legend counts them."""
     if not parts:
-        return (), False, ()
+        return Drawn(())
     edges = edges_of(np.concatenate([part.points for part in parts]).astype(np.float64))
     triangles = sum(len(part.points) for part in parts)
     legend = ((_WIRE, f"{triangles:,} triangles, {len(edges):,} edges"),)
-    return (plain_actor(parts, _BODY), line_actor(edges, _WIRE, _WIRE_PX)), False, legend
+    return Drawn((plain_actor(parts, _BODY), line_actor(edges, _WIRE, _WIRE_PX)), legend=legend)
 
 
 def edges_of(corners: FloatArray) -> FloatArray:

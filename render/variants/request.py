@@ -15,7 +15,7 @@ VARIANT_PX = 96  # A surface of a hundredth of the picture still has 90 pixels.
 
 @dataclass(frozen=True)
 class VariantsRequest:
-    """A model to draw once per set of materials: `python -m render.variants.worker REQUEST.npz`.
+    """A model to draw once per set of materials: `python -m render variants REQUEST.npz`.
 
     model     canonical: metres, z-up, +x is the front.
     variants  sets of materials, each as long as `model.materials`; picture `K_VIEW.png` for each set and view. They

@@ -63,7 +63,7 @@ def test_forks_draw_the_same_bytes(tmp_path: Path) -> None:
         for request, file in zip(requests(tmp_path / way), files[way], strict=True):
             array_files.save(request, RenderRequest, Path(file))
     for file in files["cold"]:
-        subprocess.run([sys.executable, "-m", "render", file], check=True, env=environment)
+        subprocess.run([sys.executable, "-m", "render", "previews", file], check=True, env=environment)
     command = [sys.executable, "-c", FORKED, *files["warm"]]
     done = subprocess.run(command, check=True, env=environment, stdout=subprocess.PIPE, text=True)
     assert done.stdout.split() == ["1"]

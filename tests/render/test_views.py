@@ -147,7 +147,7 @@ def test_the_same_bytes_in_every_process(tmp_path: Path) -> None:
     for name in ("first", "second"):
         request = RenderRequest(content, shapes, str(tmp_path / name), PX)
         array_files.save(request, RenderRequest, tmp_path / f"{name}.npz")
-        command = [sys.executable, "-m", "render", str(tmp_path / f"{name}.npz")]
+        command = [sys.executable, "-m", "render", "previews", str(tmp_path / f"{name}.npz")]
         subprocess.run(command, check=True, timeout=60, cwd=Path(__file__).parents[2])
         written.append({path.name: path.read_bytes() for path in sorted((tmp_path / name).iterdir())})
     assert written[0] == written[1]
@@ -195,9 +195,9 @@ def test_missing_opengl_is_an_exit_code(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr(window, "_loads", lambda library: False)
     written = io.StringIO()
     monkeypatch.setattr(sys, "stderr", written)
-    assert main([str(tmp_path / "absent.npz")]) == 2
+    assert main(["previews", str(tmp_path / "absent.npz")]) == 2
     array_files.save(RenderRequest(model(), (), str(tmp_path)), RenderRequest, tmp_path / "r.npz")
-    assert main([str(tmp_path / "r.npz")]) == NO_OPENGL
+    assert main(["previews", str(tmp_path / "r.npz")]) == NO_OPENGL
     assert "libosmesa6" in written.getvalue()
 
 

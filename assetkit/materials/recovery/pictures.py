@@ -46,7 +46,7 @@ def draw(
         )
         file = Path(place, "request.npz")
         array_files.save(request, VariantsRequest, file)
-        result = run_module("render.variants.worker", [str(file)], LIMITS)
+        result = run_module("render", ["variants", str(file)], LIMITS)
         require_storage(result)
         if result.status != "ok":
             raise RuntimeError(f"renderer {result.status}: {result.output[-1500:]}")

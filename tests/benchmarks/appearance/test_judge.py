@@ -37,9 +37,8 @@ def test_a_release_looks_like_its_source_and_damage_is_seen(tmp_path: Path) -> N
     assert Image.open(tmp_path / "made_bumps" / "sheet.png").size[0] == 4 * SMALL.size_px
     record = read_record(package)
     assert record is not None
-    source = cycles.draw_gltf(
-        sample.source, X_AS_of(record), box_frame(record), tmp_path / "made_bumps" / "source", SMALL
-    )
+    X_AB = cycles.from_gltf(X_AS_of(record))
+    source = cycles.draw(sample.source, X_AB, box_frame(record), tmp_path / "made_bumps" / "source", SMALL)
     for damage in (_recolour, _turn_green):
         damaged = tmp_path / damage.__name__ / package.name
         shutil.copytree(package, damaged)
