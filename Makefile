@@ -38,6 +38,7 @@ test-long: $(STAMP) peers
 
 peers: $(MUJOCO_USD_STAMP) $(TORCH_STAMP)
 	$(BIN)/mana setup blender
+	@sh tools/chromium.sh
 
 check: lint types layers
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import tempfile
 from pathlib import Path
@@ -31,6 +32,14 @@ def needs_blender() -> None:
 
     if environment.python() is None:
         _absent("Blender")
+
+
+def chromium() -> str:
+    """The program Chromium; skips the calling test, or fails it on CI, where there is none."""
+    program = shutil.which("chromium")
+    if program is None:
+        _absent("Chromium")
+    return program
 
 
 def _absent(name: str) -> NoReturn:
