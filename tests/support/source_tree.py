@@ -11,6 +11,7 @@ PACKAGES = (
     "schemas",
     "geom",
     "scene_check",
+    "task",
     "formats",
     "usdio",
     "gate",

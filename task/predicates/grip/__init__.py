@@ -1,0 +1,1 @@
+"""What grippers do to objects."""

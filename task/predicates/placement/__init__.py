@@ -1,0 +1,1 @@
+"""Where objects are in relation to others: in, on, near, beside, stacked, hung, covered."""

@@ -1,0 +1,1 @@
+"""How an object, a robot or its base stands: upright, oriented, undisturbed, home, near, balanced."""
