@@ -17,7 +17,7 @@ class BaseNear(Instant):
     """Distance in the ground plane from the base's origin to the object's centre, and the angle of its x axis to it."""
 
     func: ClassVar[str] = "base_near"
-    base: str = Field(description="the body of the robot's base in the log")
+    base: Object
     object: Object
     distance_m: Metres = Field(default=1.0, description="most distance (m)")
     facing: Radians = Field(
@@ -26,8 +26,9 @@ class BaseNear(Instant):
 
     @override
     def holds(self, frames: Frames) -> BoolArray:
-        way = (frames.centre(self.object) - frames.position(self.base))[:, :2]
-        x_axis = frames.rotation(self.base)[:, :2, 0]
+        base = frames.facts(self.base).body
+        way = (frames.centre(self.object) - frames.position(base))[:, :2]
+        x_axis = frames.rotation(base)[:, :2, 0]
         across = x_axis[:, 0] * way[:, 1] - x_axis[:, 1] * way[:, 0]
         along = x_axis[:, 0] * way[:, 0] + x_axis[:, 1] * way[:, 1]
         return (length(way) <= self.distance_m) & (np.abs(np.arctan2(across, along)) <= self.facing)
