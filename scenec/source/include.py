@@ -1,7 +1,8 @@
 """Loads the files of a program into one tree: `include` at any node, and sections under `definition`.
 
 `include: file.yaml` in a mapping inserts that file there, then merges the other keys of the mapping over it; of a list
-of files each is merged over those before it. Paths are relative to the including file and stay inside the root folder.
+of files each is merged over those before it. Paths are relative to the including file, or else to the root folder, and
+stay inside the root folder.
 """
 
 from __future__ import annotations
@@ -92,14 +93,22 @@ class _Loader:
     def _included(self, name: Scalar, file: FilePath, within: tuple[FilePath, ...], top: bool = False) -> Tree | None:
         try:
             if top:
-                return self.program(file.parent / name.text, name.at, within)
-            tree, target = self._file(file.parent / name.text, name.at, within)
+                return self.program(self._beside(file, name), name.at, within)
+            tree, target = self._file(self._beside(file, name), name.at, within)
             return self.expand(tree, target, (*within, target))
         except InvalidInput as error:
             if error.diagnostic.code == "scene/file-too-large":
                 raise  # A program that is too large is not read further.
             self.diagnostics.append(error.diagnostic)
             return None
+
+    def _beside(self, file: FilePath, name: Scalar) -> FilePath:
+        """The file of a name: beside the including file, or else below the root."""
+        beside, below = file.parent / name.text, self.root / name.text
+        try:
+            return below if not beside.exists() and below.exists() else beside
+        except (OSError, ValueError):  # a name that no file can have
+            return beside
 
     def _file(self, file: FilePath, referrer: Location, within: tuple[FilePath, ...]) -> tuple[Tree, FilePath]:
         """The tree of one file and its resolved path. Raises InvalidInput."""

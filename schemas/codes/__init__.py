@@ -18,6 +18,7 @@ from schemas.codes.robot import ROBOT_CODES
 from schemas.codes.scene import SCENE_CODES
 from schemas.codes.shape import SHAPE_CODES
 from schemas.codes.suites import SUITE_CODES
+from schemas.codes.task import TASK_CODES
 from schemas.codes.use import USE_CODES
 
 CODES: dict[str, CodeInfo] = {
@@ -32,4 +33,5 @@ CODES: dict[str, CodeInfo] = {
     **PLAN_CODES,
     **REPLAY_CODES,
     **ROBOT_CODES,
+    **TASK_CODES,
 }

@@ -52,6 +52,17 @@ class Predicate(BaseModel, ABC):
                 if ROLE in field.metadata:
                     yield from (str(item) for item in items(getattr(part, name)))
 
+    def written(self) -> dict[str, Any]:
+        """As a program writes it: `_func` and the parameters that are no defaults, conditions within it too."""
+        parameters: dict[str, Any] = {"_func": self.func}
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            if value == field.default:
+                continue
+            plain = [item.written() if isinstance(item, Predicate) else item for item in items(value)]
+            parameters[name] = plain if isinstance(value, tuple) else plain[0]
+        return parameters
+
     def channels(self) -> frozenset[str]:
         """Everything that it and its parts read."""
         return frozenset[str]().union(*(part.needs for part in self.parts()))

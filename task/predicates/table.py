@@ -25,6 +25,7 @@ from task.predicates.placement.inserted import Inserted
 from task.predicates.placement.inside import Inside
 from task.predicates.placement.near import Near
 from task.predicates.placement.on import On
+from task.predicates.placement.raised import Raised
 from task.predicates.placement.stacked import Stacked
 from task.predicates.pose.balanced import Balanced
 from task.predicates.pose.base_near import BaseNear
@@ -38,7 +39,7 @@ FUNC = "_func"
 PREDICATES: Mapping[str, type[Predicate]] = {
     kind.func: kind
     for kind in (
-        *(Inside, On, Near, Beside, Aligned, Stacked, Inserted, Hung, Covered, ClearRegion),
+        *(Inside, On, Near, Beside, Aligned, Stacked, Inserted, Hung, Covered, ClearRegion, Raised),
         *(Upright, Oriented, Undisturbed, Home, BaseNear, Balanced),
         *(JointAt, JointTurned, Pressed),
         *(HeldBy, Released),

@@ -14,7 +14,7 @@ import pytest
 
 REPO = Path(__file__).parents[2]
 PACKAGES = (
-    *("assetkit", "cli", "formats", "gate", "geom", "jobs", "render", "replay", "runtime_plan"),
+    *("assetkit", "cli", "dsl", "formats", "gate", "geom", "jobs", "render", "replay", "runtime_plan"),
     *("scene_check", "scenec", "schemas", "sim", "simgap", "task", "usdio"),
 )
 # (package, name) that may have several values, and the reason why these are different notions. Rename before adding.

@@ -23,6 +23,7 @@ PACKAGES = (
     "runtime_plan",
     "simgap",
     "replay",
+    "dsl",
     "cli",
 )
 TREES = (*PACKAGES, "tests", "benchmarks", "examples", "tools")

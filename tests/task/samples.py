@@ -235,6 +235,13 @@ def _samples() -> list[Sample]:
     )
     lifted = {"red": (-0.3, 0.0, 0.2)}
     of(
+        {"_func": "raised", "object": "red", "over": "table", "height_m": 0.05},
+        ("true", "lifted", logged(lifted, touches=HELD)),
+        ("almost", "4 cm", logged({"red": (-0.3, 0.0, 0.06)})),
+        ("hostile", "lifted with one edge down", logged({"red": (-0.3, 0.0, 0.07, *turned(X, 0.8))})),
+        ("hostile", "below the table", logged({"red": (-0.3, 0.0, -0.2)})),
+    )
+    of(
         {"_func": "held_by", "object": "red"},
         ("true", "lifted", logged(lifted, touches=HELD)),
         ("almost", "grasped, still on the table", logged(touches={"red": ("left", "right", "table")})),

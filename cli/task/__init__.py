@@ -1,0 +1,1 @@
+"""`mana task`: task graphs shown, and state logs judged by them."""
