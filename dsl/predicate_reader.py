@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
@@ -59,7 +59,8 @@ def _checked(tree: TreeMapping, kind: type[Predicate], what: str, findings: list
         if key.endswith(DEGREES) and key.removesuffix(DEGREES) in angles:
             values[key.removesuffix(DEGREES)] = _radians(key, entry, what, findings)
         elif name is not None:
-            values[key] = _value(name, key, entry, what, findings)
+            inside = holds_predicates(kind.model_fields[name].annotation)
+            values[key] = _value(name, key, entry, what, findings, holds_conditions=inside)
     if len(findings) > before:
         return None
     try:
@@ -77,13 +78,22 @@ def written_keys(name: str, field: FieldInfo) -> tuple[str, ...]:
     return (alias,) if isinstance(alias, str) else tuple(str(choice) for choice in getattr(alias, "choices", ()))
 
 
-def _value(name: str, key: str, entry: TreeEntry, what: str, findings: list[Diagnostic]) -> Any:
+def holds_predicates(annotation: object) -> bool:
+    """Whether a field of this type holds a condition or several."""
+    if isinstance(annotation, type) and issubclass(annotation, Predicate):
+        return True
+    return any(map(holds_predicates, get_args(annotation)))
+
+
+def _value(
+    name: str, key: str, entry: TreeEntry, what: str, findings: list[Diagnostic], *, holds_conditions: bool
+) -> Any:
     """A parameter: conditions become predicates, other values stay; angles beyond a turn are taken for degrees."""
     value, inner = entry.value, f"`{key}` of {what}"
-    if isinstance(value, TreeMapping):
+    if holds_conditions:
+        if isinstance(value, TreeList):
+            return tuple(read_predicate(item, inner, findings, item.at) for item in value.items)
         return read_predicate(value, inner, findings, entry.at)
-    if isinstance(value, TreeList) and any(isinstance(item, TreeMapping) for item in value.items):
-        return tuple(read_predicate(item, inner, findings, item.at) for item in value.items)
     angle = value.value if name in _ANGLES and isinstance(value, Scalar) else None
     if isinstance(angle, int | float) and abs(angle) > LARGEST_RAD:
         headline = f"`{key}` of {what} is {angle:g} rad; did you mean `{key}{DEGREES}: {angle:g}`?"

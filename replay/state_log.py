@@ -1,13 +1,13 @@
 """A recorded episode as a state log and the facts of its scene, for judges of tasks.
 
-Recordings hold no contacts: two bodies touch where their convex shapes come within `TOUCH_M`. Links that a robot's
-palm carries on joints of their own are its fingers.
+Recordings hold no contacts: two bodies touch where their convex shapes come within `CONTACT_GAP_M`. Fingers are links
+that the palm of a robot carries on joints of their own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -24,8 +24,8 @@ from schemas.physics import CollisionShape
 from schemas.state_log import GripperParts, StateLog
 from schemas.task.scene_facts import ObjectFacts, SceneFacts
 
-TOUCH_M = 0.001  # shapes of recordings are hulls, and simulators keep contacts within this
-LEVEL_M = 0.002  # corners within so much of the highest one bound the top of a shape
+CONTACT_GAP_M = 0.001  # shapes of recordings are hulls, and simulators keep contacts within this
+TOP_SPREAD_M = 0.002  # corners within so much of the highest one bound the top of a shape
 LEAST_TOP_M2 = 1e-5  # a top smaller than 3 mm by 3 mm carries nothing
 _ROUND_CORNERS = 32
 
@@ -126,7 +126,7 @@ def _touching(a: _Body, b: _Body, rows: np.ndarray) -> BoolArray:
         first, second = distance_shape(one), distance_shape(other)
         near = _may_touch(first, X_WA[rows], second, X_WB[rows]) & ~result
         for k in np.flatnonzero(near).tolist():
-            result[k] = separation_m(first, X_WA[rows[k]], second, X_WB[rows[k]]) <= TOUCH_M
+            result[k] = separation_m(first, X_WA[rows[k]], second, X_WB[rows[k]]) <= CONTACT_GAP_M
     return result
 
 
@@ -134,7 +134,7 @@ def _may_touch(a: DistanceShape, X_WA: FloatArray, b: DistanceShape, X_WB: Float
     """Whether the balls around two shapes come within the distance of a contact."""
     (centre_A, radius_A), (centre_B, radius_B) = centre_and_radius(a), centre_and_radius(b)
     across = (X_WA[:, :3, :3] @ centre_A + X_WA[:, :3, 3]) - (X_WB[:, :3, :3] @ centre_B + X_WB[:, :3, 3])
-    return np.linalg.norm(across, axis=1) <= radius_A + radius_B + TOUCH_M
+    return np.linalg.norm(across, axis=1) <= radius_A + radius_B + CONTACT_GAP_M
 
 
 def _facts(name: str, shapes: Sequence[CollisionShape], shape_names: Sequence[str] = ()) -> ObjectFacts:
@@ -159,7 +159,7 @@ def _corners(shape: CollisionShape) -> FloatArray:
     radius, half = shape.size_m[0], 0.5 * shape.size_m[1] if len(shape.size_m) > 1 else 0.0
     turn = np.linspace(0.0, 2.0 * np.pi, _ROUND_CORNERS, endpoint=False)
     rim = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.zeros_like(turn)], axis=1)
-    ends = [rim + [0.0, 0.0, sign * half] for sign in (-1.0, 1.0)]
+    ends = [rim + np.array([0.0, 0.0, sign * half]) for sign in (-1.0, 1.0)]
     if shape.kind != "cylinder":
         ends += [np.array([[0.0, 0.0, sign * (half + radius)]]) for sign in (-1.0, 1.0)]
     return apply(shape.X_AS, np.concatenate(ends))
@@ -167,7 +167,7 @@ def _corners(shape: CollisionShape) -> FloatArray:
 
 def _top(name: str, corners: FloatArray) -> SupportSurface | None:
     height = float(corners[:, 2].max())
-    outline = shapely.convex_hull(shapely.MultiPoint(corners[corners[:, 2] >= height - LEVEL_M, :2]))
+    outline = shapely.convex_hull(shapely.MultiPoint(corners[corners[:, 2] >= height - TOP_SPREAD_M, :2]))
     if outline.area < LEAST_TOP_M2 or not isinstance(outline, shapely.Polygon):
         return None
     low, high = np.array(outline.bounds[:2]), np.array(outline.bounds[2:])
@@ -182,11 +182,3 @@ def _top(name: str, corners: FloatArray) -> SupportSurface | None:
         clearance_m=None,
         load_directions=((0.0, 0.0, 1.0),),
     )
-
-
-def episode_tags(facts: SceneFacts, tags: Mapping[str, Sequence[str]]) -> SceneFacts:
-    """The facts with the tags that a task file states for objects of a recording, by object."""
-    objects = {
-        name: replace(each, tags=each.tags | frozenset(tags.get(name, ()))) for name, each in facts.objects.items()
-    }
-    return replace(facts, objects=objects)

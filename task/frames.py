@@ -1,4 +1,4 @@
-"""Rows of a state log with the scene's facts: what predicates ask about bodies, joints and contacts.
+"""Rows of a state log with the scene's facts: poses, joints and contacts as predicates read them.
 
 All arithmetic is elementwise, so that a row has the same bits alone and among others: online and offline judge alike.
 """

@@ -1,4 +1,4 @@
-"""A task: nodes with conditions, and edges that say which node waits for which (the paper's Executable Task DAG)."""
+"""A task: nodes with conditions, and edges from each node to those that wait for it (the paper's Task DAG)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class InvalidGraph(Exception):
 class TaskNode:
     """One stage.
 
-    success       holds when the stage is reached; it is asked from the frame on in which all predecessors are done.
+    success       holds when the stage is reached; it counts from the frame on in which all predecessors are done.
     failure       ends the task with a failure when it holds while the node is active.
     timeout_s     most seconds from activation to completion.
     points        share of the task's ten points.

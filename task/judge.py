@@ -1,4 +1,4 @@
-"""Judges a whole state log: the course of the task graph, its score, labels, and what became of each node."""
+"""Judges a whole state log: the history of the task graph, its score, labels, and what became of each node."""
 
 from __future__ import annotations
 
@@ -9,45 +9,45 @@ import numpy as np
 
 from schemas.arrays import BoolArray
 from schemas.state_log import StateLog
-from schemas.task.judgement import Failure, Judgement, NodeEvent, NodeResult, Stage
+from schemas.task.episode_result import EpisodeResult, Failure, NodeEvent, NodeResult, Stage
 from schemas.task.scene_facts import SceneFacts
-from task.course import Course, active_at, course
 from task.frames import Frames
 from task.graph import WHOLE, TaskGraph
+from task.history import GraphHistory, active_at, graph_history
 from task.labels import label_stretches
 from task.motion_limits import first_teleport
 from task.predicates.protocol import Predicate
 
 
-def judge(graph: TaskGraph, log: StateLog, scene: SceneFacts) -> Judgement:
-    """The judgement of a log. Raises StateMissing where log or scene lack what a condition reads."""
-    reached = course(graph, log.t_s, LoggedConditions(graph, log, scene))
-    return judgement_of(graph, log.t_s.tolist(), reached)
+def judge(graph: TaskGraph, log: StateLog, scene: SceneFacts) -> EpisodeResult:
+    """The result of a log. Raises StateMissing where log or scene lack what a condition reads."""
+    reached = graph_history(graph, log.t_s, LoggedConditions(graph, log, scene))
+    return episode_result(graph, log.t_s.tolist(), reached)
 
 
 @dataclass(frozen=True)
 class LoggedConditions:
-    """The conditions of a graph, asked of a log. Implements `task.course.Conditions`."""
+    """The conditions of a graph over a log. Implements `task.history.Conditions`."""
 
     graph: TaskGraph
     log: StateLog
     scene: SceneFacts
 
     def success(self, node: str, first: int) -> BoolArray:
-        """See `Conditions`."""
+        """See `task.history.Conditions`."""
         return self._values(self.graph.by_id[node].success, first)
 
     def failure(self, node: str, first: int) -> BoolArray | None:
-        """See `Conditions`."""
+        """See `task.history.Conditions`."""
         predicate = self.graph.by_id[node].failure
         return None if predicate is None else self._values(predicate, first)
 
     def task_failure(self) -> BoolArray | None:
-        """See `Conditions`."""
+        """See `task.history.Conditions`."""
         return None if self.graph.failure is None else self._values(self.graph.failure, 0)
 
     def jump(self) -> tuple[int, str] | None:
-        """See `Conditions`."""
+        """See `task.history.Conditions`."""
         teleport = first_teleport(self.log, bodies_of_task(self.graph, self.scene))
         return None if teleport is None else (teleport.frame, f"{teleport.body} jumped {teleport.distance_m:.3f} m")
 
@@ -62,16 +62,16 @@ def predicates_of(graph: TaskGraph) -> tuple[Predicate, ...]:
 
 
 def bodies_of_task(graph: TaskGraph, scene: SceneFacts) -> tuple[str, ...]:
-    """Bodies of the objects that a task speaks of, in order of their names."""
+    """Bodies of the objects that the conditions of a task name, in order of their names."""
     names = {name for predicate in predicates_of(graph) for name in predicate.objects()}
     return tuple(sorted(scene.objects[name].body for name in names if name in scene.objects))
 
 
-def judgement_of(graph: TaskGraph, t_s: list[float], reached: Course) -> Judgement:
-    """The document of a course over frames with these stamps."""
+def episode_result(graph: TaskGraph, t_s: list[float], reached: GraphHistory) -> EpisodeResult:
+    """The document of a history over frames with these stamps."""
     points = sum((graph.weights[v] for v in reached.completed), start=Fraction(0))
     failure = reached.failure
-    return Judgement(
+    return EpisodeResult(
         task=graph.name,
         frames=len(t_s),
         seconds=t_s[-1] - t_s[0],
@@ -95,7 +95,7 @@ def judgement_of(graph: TaskGraph, t_s: list[float], reached: Course) -> Judgeme
     )
 
 
-def scores(graph: TaskGraph, reached: Course, frames: int) -> list[float]:
+def scores(graph: TaskGraph, reached: GraphHistory, frames: int) -> list[float]:
     """Q[t]: points of ten by each frame; they never decrease."""
     gained = [Fraction(0)] * frames
     for frame, v in reached.events:
@@ -107,7 +107,7 @@ def scores(graph: TaskGraph, reached: Course, frames: int) -> list[float]:
     return result
 
 
-def _result(graph: TaskGraph, v: str, t_s: list[float], reached: Course) -> NodeResult:
+def _result(graph: TaskGraph, v: str, t_s: list[float], reached: GraphHistory) -> NodeResult:
     activated, completed = reached.activated.get(v), reached.completed.get(v)
     values = reached.values.get(v)
     undone: int | None = None

@@ -11,9 +11,9 @@ import numpy as np
 
 from schemas.state_log import StateLog
 from schemas.task.scene_facts import SceneFacts
-from task.course import FirstFailure
 from task.frames import Frames
 from task.graph import TaskGraph
+from task.history import FirstFailure
 from task.judge import bodies_of_task
 from task.motion_limits import first_teleport
 from task.predicates.protocol import Predicate
@@ -66,7 +66,7 @@ class GraphState:
         task_fails: bool = False,
         jump: str | None = None,
     ) -> list[str]:
-        """Nodes that this frame completes, in order. `holds` and `fails` are asked of active nodes, `holds` also of
+        """Nodes that this frame completes, in order. `holds` and `fails` are called for active nodes, `holds` also for
         completed ones that must last. `jump` names motion that cannot be.
         """
         self.frame += 1
@@ -123,7 +123,7 @@ class GraphState:
 
 
 class OnlineJudge:
-    """Asks the conditions of a graph of each new frame. A frame is a state log of one row."""
+    """Evaluates the conditions of a graph in each new frame. A frame is a state log of one row."""
 
     def __init__(self, graph: TaskGraph, scene: SceneFacts) -> None:
         self.state = GraphState(graph)
@@ -141,20 +141,20 @@ class OnlineJudge:
 
         def holds(v: str) -> bool:
             if v not in answers:
-                answers[v] = self._asked("success", v, self._graph.by_id[v].success, rows)
+                answers[v] = self._value("success", v, self._graph.by_id[v].success, rows)
             return answers[v]
 
         def fails(v: str) -> bool:
             failure = self._graph.by_id[v].failure
-            return failure is not None and self._asked("failure", v, failure, rows)
+            return failure is not None and self._value("failure", v, failure, rows)
 
         task_failure = self._graph.failure
-        task_fails = task_failure is not None and self._asked("failure", "", task_failure, rows)
+        task_fails = task_failure is not None and self._value("failure", "", task_failure, rows)
         events = self.state.advance(float(frame.t_s[0]), holds, fails, task_fails=task_fails, jump=self._jump(frame))
         self._before = frame
         return events
 
-    def _asked(self, what: str, v: str, predicate: Predicate, rows: Frames) -> bool:
+    def _value(self, what: str, v: str, predicate: Predicate, rows: Frames) -> bool:
         key = (what, v)
         carry = self._carried[key] if key in self._carried else predicate.start()
         values, self._carried[key] = predicate.values(rows, carry)

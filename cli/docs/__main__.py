@@ -1,6 +1,7 @@
 """Write every generated page of the documentation: `python -m cli.docs` (or `make docs`).
 
-The pages come from tables in the code: diagnostic codes, rules of the gate, effects, source formats, relations.
+The pages come from tables in the code: diagnostic codes, rules of the gate, effects, source formats, relations,
+predicates.
 `generated_pages` is the whole list; a test compares it with the files in `docs/`.
 """
 
@@ -8,7 +9,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from cli.docs import diagnostics, effects, formats, gate, material_features, paired_materials, relations
+from cli.docs import diagnostics, effects, formats, gate, material_features, paired_materials, predicates, relations
 
 DOCS = Path("docs")
 DIAGNOSTICS = Path("diagnostics")
@@ -24,6 +25,7 @@ def generated_pages() -> dict[Path, str]:
         Path("reference/file-formats.md"): formats.page(),
         Path("reference/material-features.md"): material_features.page(),
         Path("reference/paired-materials.md"): paired_materials.page(),
+        Path("reference/predicates.md"): predicates.page(),
         Path("reference/relations.md"): relations.page(),
     }
 

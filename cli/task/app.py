@@ -13,7 +13,7 @@ from rich.table import Table
 
 from cli import source_text, text
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, any_error, finding
-from schemas.task.judgement import Judgement
+from schemas.task.episode_result import EpisodeResult
 
 if TYPE_CHECKING:
     from dsl.task_file import TaskFile
@@ -71,7 +71,7 @@ def score_command(
     task: TaskPath,
     logs: Annotated[list[Path], typer.Argument(help="State logs, or recordings of episodes.", exists=True)],
     out: Annotated[
-        Path | None, typer.Option("--out", help="Folder for judgements (JSON), timelines and graphs (PNG).")
+        Path | None, typer.Option("--out", help="Folder for results (JSON), timelines and graphs (PNG).")
     ] = None,
     meshes: Annotated[Path | None, typer.Option("--meshes", help="Mesh files that models name.", exists=True)] = None,
     root: Root = None,
@@ -91,33 +91,33 @@ def score_command(
     from cli.task.logs import logged_scenes
 
     file = _read(task, root, benchmark, as_json)
-    judgements: list[tuple[str, Judgement]] = []
+    results: list[tuple[str, EpisodeResult]] = []
     findings: list[Diagnostic] = []
     for path in logs:
         try:
             for logged in logged_scenes(path, meshes):
-                judgement, faults = _judged(file, logged)
+                result, faults = _judged(file, logged)
                 findings += faults
-                if judgement is None:
+                if result is None:
                     continue
-                judgements.append((logged.name, judgement))
+                results.append((logged.name, result))
                 if out is not None:
-                    _write(file, logged.name, judgement, out)
+                    _write(file, logged.name, result, out)
                 if not as_json:
-                    _print_one(logged.name, judgement, brief=len(logs) > 1)
+                    _print_one(logged.name, result, brief=len(logs) > 1)
         except InvalidInput as refused:
             findings.append(refused.diagnostic)
     if as_json:
         document = {
-            "episodes": [{"episode": name, **each.model_dump(mode="json")} for name, each in judgements],
+            "episodes": [{"episode": name, **each.model_dump(mode="json")} for name, each in results],
             "diagnostics": [each.model_dump(mode="json") for each in findings],
         }
         print(json.dumps(document, indent=1))
     else:
         source_text.show(findings, root or task.parent)
-        if len(judgements) > 1:
-            _print_summary([each for _, each in judgements])
-    failed = require_success and not all(each.success for _, each in judgements)
+        if len(results) > 1:
+            _print_summary([each for _, each in results])
+    failed = require_success and not all(each.success for _, each in results)
     raise typer.Exit(1 if findings or failed else 0)
 
 
@@ -135,8 +135,8 @@ def _read(task: Path, root: Path | None, benchmark: bool, as_json: bool) -> Task
     return file
 
 
-def _judged(file: TaskFile, logged: LoggedScene) -> tuple[Judgement | None, list[Diagnostic]]:
-    """The judgement of one log, or what keeps it from being judged."""
+def _judged(file: TaskFile, logged: LoggedScene) -> tuple[EpisodeResult | None, list[Diagnostic]]:
+    """The result of one log, or what keeps it from being judged."""
     from task.frames import StateMissing
     from task.judge import judge
     from task.roles import bind_roles
@@ -158,47 +158,45 @@ def _role_finding(fault: RoleFault, episode: str, file: TaskFile) -> Diagnostic:
     return finding("task/unbound-role" if unbound else "task/ambiguous-role", headline, where=where, value=fault.name)
 
 
-def _write(file: TaskFile, name: str, judgement: Judgement, out: Path) -> None:
+def _write(file: TaskFile, name: str, result: EpisodeResult, out: Path) -> None:
     from cli.task.pictures import draw_graph, draw_timeline
     from jobs.cache import write_atomically
 
     stem = name.replace("/", "_")
     out.mkdir(parents=True, exist_ok=True)
-    write_atomically(out / f"{stem}.json", (judgement.model_dump_json(indent=1) + "\n").encode())
-    draw_timeline(file.graph, judgement, out / f"{stem}.timeline.png")
-    draw_graph(file.graph, out / f"{stem}.graph.png", judgement)
+    write_atomically(out / f"{stem}.json", (result.model_dump_json(indent=1) + "\n").encode())
+    draw_timeline(file.graph, result, out / f"{stem}.timeline.png")
+    draw_graph(file.graph, out / f"{stem}.graph.png", result)
 
 
-def _print_one(name: str, judgement: Judgement, *, brief: bool) -> None:
+def _print_one(name: str, result: EpisodeResult, *, brief: bool) -> None:
     from cli.task.pictures import verdict
 
-    colour = "green" if judgement.success else "red" if judgement.failure else "yellow"
-    text.console.print(
-        f"[bold]{escape(name)}[/bold]: [{colour}]{escape(verdict(judgement))}[/{colour}]", soft_wrap=True
-    )
+    colour = "green" if result.success else "red" if result.failure else "yellow"
+    text.console.print(f"[bold]{escape(name)}[/bold]: [{colour}]{escape(verdict(result))}[/{colour}]", soft_wrap=True)
     if brief:
         return
     table = Table(box=None, pad_edge=False)
     for heading in ("stage", "points", "became active", "done", "after", "in the end"):
         table.add_column(heading)
-    for node in judgement.nodes:
+    for node in result.nodes:
         frames = ["-" if frame is None else str(frame) for frame in (node.activated, node.completed)]
         seconds = "-" if node.seconds is None else f"{node.seconds:.2f} s"
         end = node.stage if node.undone is None else f"undone in frame {node.undone}"
         table.add_row(escape(node.node), f"{node.points:g}", *frames, seconds, end)
     text.console.print(table)
-    if judgement.failure is not None and judgement.failure.detail:
-        text.console.print(f"first failure: {escape(judgement.failure.detail)}", soft_wrap=True)
+    if result.failure is not None and result.failure.detail:
+        text.console.print(f"first failure: {escape(result.failure.detail)}", soft_wrap=True)
 
 
-def _print_summary(judgements: Sequence[Judgement]) -> None:
+def _print_summary(results: Sequence[EpisodeResult]) -> None:
     """Success rate, mean score, and for each stage how many episodes completed it."""
-    count = len(judgements)
-    successes = sum(each.success for each in judgements)
-    mean = sum(each.score for each in judgements) / count
+    count = len(results)
+    successes = sum(each.success for each in results)
+    mean = sum(each.score for each in results) / count
     text.console.print(f"{successes} of {count} episodes succeed, mean score {mean:.2f} of 10")
-    for node in judgements[0].nodes:
-        done = sum(any(event.node == node.node for event in each.events) for each in judgements)
+    for node in results[0].nodes:
+        done = sum(any(event.node == node.node for event in each.events) for each in results)
         text.console.print(f"  {escape(node.node)}: {done} of {count}")
 
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
 from jobs.cache import write_atomically
-from schemas.task.judgement import Judgement, NodeResult
+from schemas.task.episode_result import EpisodeResult, NodeResult
 from task.graph import TaskGraph
 
 INK, PALE, PAPER = "#1c2028", "#8a919c", "#ffffff"
@@ -22,7 +22,7 @@ _STEP, _BOX = (2.6, 1.05), (2.0, 0.7)
 _DPI = 150
 
 
-def draw_graph(graph: TaskGraph, path: Path, judgement: Judgement | None = None) -> None:
+def draw_graph(graph: TaskGraph, path: Path, result: EpisodeResult | None = None) -> None:
     """Writes the graph from left to right as a PNG; of an episode with what became of each node."""
     depth = _depths(graph)
     columns = [[v for v in graph.order if depth[v] == k] for k in range(max(depth.values()) + 1)]
@@ -32,7 +32,7 @@ def draw_graph(graph: TaskGraph, path: Path, judgement: Judgement | None = None)
         for k, column in enumerate(columns)
         for row, v in enumerate(column)
     }
-    results = {} if judgement is None else {result.node: result for result in judgement.nodes}
+    nodes = {} if result is None else {node.node: node for node in result.nodes}
     width, height = len(columns) * _STEP[0], tallest * _STEP[1] + 0.8
     figure = Figure(figsize=(max(width, 4.0), max(height, 1.8)), dpi=_DPI, facecolor=PAPER)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -43,58 +43,56 @@ def draw_graph(graph: TaskGraph, path: Path, judgement: Judgement | None = None)
         start, end = (at[a][0] + _BOX[0] / 2.0, at[a][1]), (at[b][0] - _BOX[0] / 2.0, at[b][1])
         axes.add_patch(FancyArrowPatch(start, end, arrowstyle="-|>", mutation_scale=12, color=PALE, linewidth=1.2))
     for v, (x, y) in at.items():
-        face = _face(results.get(v), judgement)
+        face = _face(nodes.get(v), result)
         corner = (x - _BOX[0] / 2.0, y - _BOX[1] / 2.0)
         axes.add_patch(
             FancyBboxPatch(corner, *_BOX, boxstyle="round,pad=0,rounding_size=0.12", facecolor=face, edgecolor=INK)
         )
         ink = INK if face == WAITING else PAPER
         axes.text(x, y + 0.12, _short(v), ha="center", va="center", fontsize=10, color=ink, fontweight="bold")
-        axes.text(
-            x, y - 0.17, _second_line(graph, v, results.get(v)), ha="center", va="center", fontsize=7.5, color=ink
-        )
-    title = graph.name if judgement is None else f"{graph.name}: {verdict(judgement)}"
+        axes.text(x, y - 0.17, _second_line(graph, v, nodes.get(v)), ha="center", va="center", fontsize=7.5, color=ink)
+    title = graph.name if result is None else f"{graph.name}: {verdict(result)}"
     axes.text(0.02, 0.98, title, transform=axes.transAxes, ha="left", va="top", fontsize=11, color=INK)
     _save(figure, path)
 
 
-def draw_timeline(graph: TaskGraph, judgement: Judgement, path: Path) -> None:
+def draw_timeline(graph: TaskGraph, result: EpisodeResult, path: Path) -> None:
     """Writes when each node was active and done, the score, and the first failure, as a PNG."""
-    rate = judgement.seconds / max(judgement.frames - 1, 1)
+    rate = result.seconds / max(result.frames - 1, 1)
     rows = {v: row for row, v in enumerate(reversed(graph.order))}
     figure = Figure(figsize=(9.0, 1.9 + 0.34 * len(rows)), dpi=_DPI, facecolor=PAPER)
     axes, score = figure.subplots(2, 1, sharex=True, height_ratios=(max(len(rows), 2), 1.6))
-    events = {event.node: event for event in judgement.events}
-    for result in judgement.nodes:
-        row = rows[result.node]
-        if result.activated is None:
+    events = {event.node: event for event in result.events}
+    for node in result.nodes:
+        row = rows[node.node]
+        if node.activated is None:
             continue
-        begin = result.activated * rate
-        end = judgement.seconds if result.completed is None else events[result.node].t_s
+        begin = node.activated * rate
+        end = result.seconds if node.completed is None else events[node.node].t_s
         axes.barh(row, max(end - begin, 0.0), left=begin, height=0.5, color=ACTIVE, alpha=0.55)
-        if result.completed is not None:
-            axes.barh(row, judgement.seconds - end, left=end, height=0.5, color=DONE, alpha=0.35)
+        if node.completed is not None:
+            axes.barh(row, result.seconds - end, left=end, height=0.5, color=DONE, alpha=0.35)
             axes.plot([end], [row], marker="D", color=DONE, markersize=6)
-        if result.undone is not None:
-            axes.plot([result.undone * rate], [row], marker="x", color=FAILED, markersize=7)
+        if node.undone is not None:
+            axes.plot([node.undone * rate], [row], marker="x", color=FAILED, markersize=7)
     axes.set_yticks(list(rows.values()), [_short(v) for v in rows])
     axes.set_ylim(-0.6, len(rows) - 0.4)
     points, levels, stamps = 0.0, [0.0], [0.0]
-    for event in judgement.events:
+    for event in result.events:
         stamps += [event.t_s, event.t_s]
         levels += [points, points + float(graph.weights[event.node])]
         points = levels[-1]
-    score.plot([*stamps, judgement.seconds], [*levels, points], color=INK, linewidth=1.6)
+    score.plot([*stamps, result.seconds], [*levels, points], color=INK, linewidth=1.6)
     score.set_ylim(-0.5, 10.5)
     score.set_ylabel("score")
     score.set_xlabel("time (s)")
-    if judgement.failure is not None:
+    if result.failure is not None:
         for each in (axes, score):
-            each.axvline(judgement.failure.t_s, color=FAILED, linestyle="--", linewidth=1.2)
+            each.axvline(result.failure.t_s, color=FAILED, linestyle="--", linewidth=1.2)
     for each in (axes, score):
         each.spines[["top", "right"]].set_visible(False)
-        each.set_xlim(0.0, max(judgement.seconds, rate))
-    axes.set_title(f"{graph.name}: {verdict(judgement)}", loc="left", fontsize=11)
+        each.set_xlim(0.0, max(result.seconds, rate))
+    axes.set_title(f"{graph.name}: {verdict(result)}", loc="left", fontsize=11)
     figure.text(
         0.99, 0.01, "active (amber), done (green), undone (x), failure (dashed)", ha="right", fontsize=7, color=PALE
     )
@@ -102,15 +100,15 @@ def draw_timeline(graph: TaskGraph, judgement: Judgement, path: Path) -> None:
     _save(figure, path)
 
 
-def verdict(judgement: Judgement) -> str:
-    """A judgement in a few words."""
-    if judgement.success:
-        return f"success in frame {judgement.success_frame}, {judgement.score:g} of 10"
-    failure = judgement.failure
+def verdict(result: EpisodeResult) -> str:
+    """A result in a few words."""
+    if result.success:
+        return f"success in frame {result.success_frame}, {result.score:g} of 10"
+    failure = result.failure
     if failure is not None:
         nodes = f" of {', '.join(failure.nodes)}" if failure.nodes else ""
-        return f"failed in frame {failure.frame}: {failure.reason}{nodes}, {judgement.score:g} of 10"
-    return f"not finished: {', '.join(judgement.active_at_end)} still active, {judgement.score:g} of 10"
+        return f"failed in frame {failure.frame}: {failure.reason}{nodes}, {result.score:g} of 10"
+    return f"not finished: {', '.join(result.active_at_end)} still active, {result.score:g} of 10"
 
 
 def _depths(graph: TaskGraph) -> dict[str, int]:
@@ -120,18 +118,18 @@ def _depths(graph: TaskGraph) -> dict[str, int]:
     return depth
 
 
-def _face(result: NodeResult | None, judgement: Judgement | None) -> str:
-    if judgement is None or result is None:
+def _face(node: NodeResult | None, result: EpisodeResult | None) -> str:
+    if node is None or result is None:
         return WAITING
-    failure = judgement.failure
-    if failure is not None and result.node in failure.nodes:
+    failure = result.failure
+    if failure is not None and node.node in failure.nodes:
         return FAILED
-    return {"never reached": WAITING, "active": ACTIVE}.get(result.stage, DONE)
+    return {"never reached": WAITING, "active": ACTIVE}.get(node.stage, DONE)
 
 
-def _second_line(graph: TaskGraph, v: str, result: NodeResult | None) -> str:
-    if result is not None and result.completed is not None:
-        return f"frame {result.completed}{', later undone' if result.undone is not None else ''}"
+def _second_line(graph: TaskGraph, v: str, node: NodeResult | None) -> str:
+    if node is not None and node.completed is not None:
+        return f"frame {node.completed}{', later undone' if node.undone is not None else ''}"
     return f"{graph.by_id[v].success.func}, {float(graph.weights[v]):g} points"
 
 

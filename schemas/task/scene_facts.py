@@ -1,4 +1,4 @@
-"""What does not change during an episode: shapes, anchors and attributes of the objects that a task speaks of.
+"""What does not change during an episode: shapes, anchors and attributes of the objects of a task.
 
 Everything is in the frame of the object's body, in metres. Packages, compiled scenes and recordings fill it.
 """
@@ -34,7 +34,7 @@ class ObjectFacts:
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     volumes: tuple[ContainmentVolume, ...] = ()
     surfaces: tuple[SupportSurface, ...] = ()
-    tags: frozenset[str] = frozenset()
+    tags: tuple[str, ...] = ()
     attributes: Mapping[str, str] = field(default_factory=dict[str, str])
     bodies: Mapping[str, str] = field(default_factory=dict[str, str])
 

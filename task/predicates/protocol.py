@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, cast
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, SerializeAsAny
 from typing_extensions import override
 
 from schemas.arrays import BoolArray
@@ -46,7 +46,7 @@ class Predicate(BaseModel, ABC):
                     yield from part.parts()
 
     def objects(self) -> Iterator[str]:
-        """Names of all objects that it and its parts speak of."""
+        """Names of all objects that it and its parts read."""
         for part in self.parts():
             for name, field in type(part).model_fields.items():
                 if ROLE in field.metadata:
@@ -89,13 +89,19 @@ def _nested(value: object) -> object:
     return predicate_from(cast(dict[str, Any], value)) if isinstance(value, dict) else value
 
 
+def _some(names: tuple[str, ...]) -> tuple[str, ...]:
+    if not names:
+        raise ValueError("needs at least one object")
+    return names
+
+
 def items(value: object) -> tuple[object, ...]:
     """The entries of a field that is one value or a tuple of them."""
     return cast(tuple[object, ...], value) if isinstance(value, tuple) else (value,)
 
 
 Object = Annotated[str, Field(description="an object by its name, or `@tag` for the one with this tag"), ROLE]
-Objects = Annotated[tuple[str, ...], Field(min_length=1, description="objects by name or tag"), ROLE]
+Objects = Annotated[tuple[str, ...], AfterValidator(_some), Field(description="objects by name or tag"), ROLE]
 Part = Annotated[SerializeAsAny[Predicate], BeforeValidator(_nested)]
 Metres = Annotated[float, Field(ge=0.0)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]

@@ -16,6 +16,7 @@ from assetkit.stages.physics import AuthorPhysics
 from assetkit.stages.semantics import DescribeObject
 from cli.codes import all_codes
 from cli.docs.diagnostics import file_name, index, page
+from dsl.task_file import read_task
 from formats import read_mjcf, read_urdf
 from replay.recording.formats.read import read_episodes
 from runtime_plan import load
@@ -29,12 +30,13 @@ from sim.fake import FakeSimulator
 from simgap.recording.read import read
 from tests.support.bad_inputs import gap, replay, robot, scene
 from tests.support.bad_inputs import plan as plan_bad_inputs
+from tests.support.bad_inputs import task as task_bad_inputs
 from tests.support.bad_inputs.assets import SAMPLES
 from tests.support.bad_inputs.assets_without_a_file import NOT_FROM_A_FILE
 from tests.support.scene import library as scene_library
 
 PAGES = Path(__file__).parents[2] / "docs" / "diagnostics"
-GAP, SCENE, PLAN, REPLAY, ROBOT = "gap/", "scene/", "plan/", "replay/", "robot/"
+GAP, SCENE, PLAN, REPLAY, ROBOT, TASK = "gap/", "scene/", "plan/", "replay/", "robot/", "task/"
 
 
 def findings(file: Path, options: Options) -> list[Diagnostic]:
@@ -60,7 +62,8 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
 
 
 def test_every_code_has_a_sample():
-    assert {*SAMPLES, *NOT_FROM_A_FILE} == {c for c in CODES if not c.startswith((GAP, SCENE, PLAN, REPLAY, ROBOT))}
+    areas = (GAP, SCENE, PLAN, REPLAY, ROBOT, TASK)
+    assert {*SAMPLES, *NOT_FROM_A_FILE} == {c for c in CODES if not c.startswith(areas)}
     assert not set(SAMPLES) & set(NOT_FROM_A_FILE)
 
 
@@ -79,6 +82,20 @@ def test_every_plan_code_has_a_sample():
     samples, others = set(plan_bad_inputs.SAMPLES), set(plan_bad_inputs.NOT_FROM_A_PLAN)
     assert samples | others == {c for c in CODES if c.startswith(PLAN)}
     assert not samples & others
+
+
+def test_every_task_code_has_a_sample():
+    samples, others = set(task_bad_inputs.SAMPLES), set(task_bad_inputs.NOT_FROM_A_TASK)
+    assert samples | others == {c for c in CODES if c.startswith(TASK)}
+    assert not samples & others
+
+
+@pytest.mark.parametrize("code", sorted(task_bad_inputs.SAMPLES))
+def test_task_sample_triggers_its_code_alone_with_place_and_help(code: str, tmp_path: Path):
+    _, diagnostics = read_task(task_bad_inputs.write(task_bad_inputs.SAMPLES[code], tmp_path))
+    assert [d.code for d in diagnostics] == [code]
+    assert diagnostics[0].where.line
+    assert diagnostics[0].help == CODES[code].help
 
 
 def test_every_robot_code_has_a_sample():
@@ -164,6 +181,7 @@ ELSEWHERE = (
     | plan_bad_inputs.NOT_FROM_A_PLAN
     | replay.NOT_FROM_A_RECORDING
     | robot.NOT_FROM_A_DESCRIPTION
+    | task_bad_inputs.NOT_FROM_A_TASK
 )
 
 

@@ -14,9 +14,9 @@ import pytest
 from typing_extensions import override
 
 from schemas.arrays import BoolArray, FloatArray
-from task.course import course
 from task.frames import Frames
 from task.graph import TaskGraph, TaskNode
+from task.history import graph_history
 from task.judge import scores
 from task.labels import frame_labels, label_stretches
 from task.online import GraphState
@@ -104,7 +104,7 @@ def check(seed: int) -> None:
     traces = Traces(seed)
     graph, frames = traces.graph(), len(traces.t_s)
     expected = answer(traces.nodes, traces.edges, traces.t_s.tolist(), traces.limit_s)
-    reached = course(graph, traces.t_s, traces)
+    reached = graph_history(graph, traces.t_s, traces)
     assert list(reached.events) == expected.events
     assert {v: frame for frame, v in reached.events} == {
         v: done.index(True) for v, done in expected.done.items() if any(done)

@@ -8,7 +8,7 @@ from itertools import pairwise
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from schemas.arrays import BoolArray
 from schemas.state_log import StateLog
@@ -38,6 +38,7 @@ def test_a_sample_holds_exactly_when_it_is_true(sample: Sample) -> None:
 
 
 @pytest.mark.parametrize("sample", SAMPLES, ids=LABELS)
+@settings(max_examples=12, deadline=None)
 @given(cuts=st.lists(st.integers(1, 59), max_size=6).map(tuple))
 def test_pieces_of_a_log_give_the_values_of_the_whole(sample: Sample, cuts: tuple[int, ...]) -> None:
     predicate = predicate_from(sample.written)

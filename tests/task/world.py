@@ -58,16 +58,23 @@ def inside(half: float, height: float, floor: float, name: str = "volume_0") -> 
     )
 
 
-def block(name: str, half: float = 0.02, **more: object) -> ObjectFacts:
+def block(name: str, colour: str, half: float = 0.02) -> ObjectFacts:
     """A cube that carries things on its top."""
-    return ObjectFacts(name, box((half, half, half)), name, surfaces=(top(half, half, 2.0 * half),), **more)  # pyright: ignore[reportArgumentType]
+    return ObjectFacts(
+        name,
+        box((half, half, half)),
+        name,
+        surfaces=(top(half, half, 2.0 * half),),
+        tags=("block",),
+        attributes={"colour": colour, "shape": "cube"},
+    )
 
 
 OBJECTS = (
     ObjectFacts("table", box((0.6, 0.4, 0.01)), "table", surfaces=(top(0.6, 0.4, 0.02),)),
-    block("red", attributes={"colour": "red", "shape": "cube"}, tags=frozenset({"block"})),
-    block("blue", attributes={"colour": "blue", "shape": "cube"}, tags=frozenset({"block"})),
-    block("green", attributes={"colour": "green", "shape": "cube"}, tags=frozenset({"block"})),
+    block("red", "red"),
+    block("blue", "blue"),
+    block("green", "green"),
     ObjectFacts("basket", box((0.1, 0.1, 0.05)), "basket", volumes=(inside(0.095, 0.095, 0.005),)),
     ObjectFacts("cup", box((0.04, 0.04, 0.05)), "cup", volumes=(inside(0.036, 0.095, 0.005),)),
     ObjectFacts("peg", box((0.01, 0.01, 0.05)), "peg"),

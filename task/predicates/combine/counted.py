@@ -18,7 +18,7 @@ MEMBER = "$member"
 
 
 class Counted(Predicate):
-    """`where` is asked of every member, by the word `$member` in place of an object's name.
+    """`where` holds or not for every member, which `$member` in place of an object's name stands for.
 
     `exactly` refuses extra ones, as counts of public suites do not; `at_least` and `at_most` bound the number.
     """
@@ -42,7 +42,7 @@ class Counted(Predicate):
 
     @override
     def values(self, frames: Frames, carry: Any) -> tuple[BoolArray, Any]:
-        results, after = each(asked_of(self.where, self.members), frames, carry)
+        results, after = each(for_members(self.where, self.members), frames, carry)
         number = np.sum(results, axis=0)
         if self.exactly is not None:
             return number == self.exactly, after
@@ -55,7 +55,7 @@ class Counted(Predicate):
         return (name for name in super().objects() if name != MEMBER)
 
 
-def asked_of(where: Predicate, members: tuple[str, ...]) -> tuple[Predicate, ...]:
+def for_members(where: Predicate, members: tuple[str, ...]) -> tuple[Predicate, ...]:
     """The condition for each member."""
     return tuple(renamed(where, {MEMBER: name}) for name in members)
 

@@ -1,1 +1,1 @@
-"""What grippers do to objects."""
+"""Grippers and objects: held between fingers, lifted, released."""

@@ -23,8 +23,7 @@ LOWEST_M = 0.005  # corners within so much of the lowest one are what an object 
 class On(Placed):
     """The lowest point is at the height of the surface, the centre over its polygon, and most of the object's base too.
 
-    Where contacts were observed the two must touch, or something between them that stands on the support; then a thing
-    that hovers is not on it.
+    Where contacts were observed the two must touch, so that a thing that hovers is not on it.
     """
 
     func: ClassVar[str] = "on"

@@ -1,4 +1,4 @@
-"""What all placements share: a thing that a gripper holds is not placed, unless the task says so."""
+"""What all placements share: a thing that a gripper holds is not placed, unless the task allows it."""
 
 from __future__ import annotations
 

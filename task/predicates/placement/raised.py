@@ -13,8 +13,8 @@ from task.predicates.protocol import Instant, Metres, Object
 
 
 class Raised(Instant):
-    """Height of the lowest point of the object over the surface, along the surface's normal. Together with `held_by` it
-    says that a gripper lifted it.
+    """Height of the lowest point of the object over the surface, along the surface's normal. Together with `held_by`:
+    a gripper lifted it.
     """
 
     func: ClassVar[str] = "raised"

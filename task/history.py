@@ -18,12 +18,12 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from schemas.arrays import BoolArray, FloatArray
-from schemas.task.judgement import Reason
+from schemas.task.episode_result import Reason
 from task.graph import TaskGraph
 
 
 class Conditions(Protocol):
-    """What is asked of an episode of n frames; each answer has the rows from `first` on."""
+    """Truth values of conditions over an episode of n frames, in the rows from `first` on."""
 
     def success(self, node: str, first: int) -> BoolArray:
         """Whether the condition of a node holds, for a node that is active from `first` on."""
@@ -52,7 +52,7 @@ class FirstFailure(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Course:
+class GraphHistory:
     """What happened: first frames by node, completions (frame, node) in order, values of conditions from activation on.
 
     `end` is the frame in which all sinks were done, `success_frame` the same where nothing had failed by then.
@@ -71,8 +71,8 @@ class Course:
         return self.end if self.failure is None else None
 
 
-def course(graph: TaskGraph, t_s: FloatArray, conditions: Conditions) -> Course:
-    """The course of an episode with these stamps (n,)."""
+def graph_history(graph: TaskGraph, t_s: FloatArray, conditions: Conditions) -> GraphHistory:
+    """The history of an episode with these stamps (n,)."""
     activated: dict[str, int] = {}
     completed: dict[str, int] = {}
     values: dict[str, BoolArray] = {}
@@ -87,13 +87,13 @@ def course(graph: TaskGraph, t_s: FloatArray, conditions: Conditions) -> Course:
     rank = {v: k for k, v in enumerate(graph.order)}
     events = tuple(sorted(((frame, v) for v, frame in completed.items()), key=lambda e: (e[0], rank[e[1]])))
     end = max(completed[v] for v in graph.sinks) if all(v in completed for v in graph.sinks) else None
-    reached = Course(activated, completed, events, values, None, end)
+    reached = GraphHistory(activated, completed, events, values, None, end)
     last = len(t_s) - 1 if end is None else end
     failures = [f for f in _failures(graph, t_s, conditions, reached) if f.frame <= last]
-    return Course(activated, completed, events, values, min(failures, key=lambda f: f.frame, default=None), end)
+    return GraphHistory(activated, completed, events, values, min(failures, key=lambda f: f.frame, default=None), end)
 
 
-def active_at(graph: TaskGraph, reached: Course, frame: int) -> tuple[str, ...]:
+def active_at(graph: TaskGraph, reached: GraphHistory, frame: int) -> tuple[str, ...]:
     """Nodes whose gate is open in a frame and that were not done in the frame before."""
     return tuple(
         v
@@ -102,7 +102,9 @@ def active_at(graph: TaskGraph, reached: Course, frame: int) -> tuple[str, ...]:
     )
 
 
-def _failures(graph: TaskGraph, t_s: FloatArray, conditions: Conditions, reached: Course) -> Iterator[FirstFailure]:
+def _failures(
+    graph: TaskGraph, t_s: FloatArray, conditions: Conditions, reached: GraphHistory
+) -> Iterator[FirstFailure]:
     """The first failure of each kind and node; of those in one frame the first one here is named."""
     n = len(t_s)
     for v in graph.order:

@@ -52,8 +52,8 @@ class NodeResult(_Model):
     undone: int | None
 
 
-class Judgement(_Model):
-    """The judgement of one log.
+class EpisodeResult(_Model):
+    """The result of one log.
 
     `success` is whether in some frame all sinks were done and nothing had failed; `success_frame` the first such.
     `score` of ten at the end, `progress` a tenth of it. `labels` is for each stretch of frames (first, last) the node

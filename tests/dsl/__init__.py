@@ -1,0 +1,1 @@
+"""Tests of task and pipeline files."""
