@@ -5,8 +5,8 @@ All arithmetic is elementwise, so that a row has the same bits alone and among o
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class Frames:
     first: int
     last: int
     reset: StateLog | None = None
+    _poses: dict[tuple[str, str], FloatArray] = field(default_factory=dict[tuple[str, str], FloatArray], repr=False)
 
     def __len__(self) -> int:
         return self.last - self.first
@@ -55,7 +56,7 @@ class Frames:
 
     def rotation(self, body: str) -> FloatArray:
         """(n, 3, 3) R_WB of a body. Raises StateMissing."""
-        return rotation_matrices(self.log.quat_wxyz[self.first : self.last, self._column(body)])
+        return self._once("rotation", body, self._rotation)
 
     def joint(self, name: str) -> FloatArray:
         """(n,) position of a joint (rad, m). Raises StateMissing."""
@@ -66,14 +67,11 @@ class Frames:
 
     def points(self, name: str) -> FloatArray:
         """(n, k, 3) the corners of an object's hull in W (m)."""
-        facts = self.facts(name)
-        return to_world(self.position(facts.body), self.rotation(facts.body), facts.points_m)
+        return self._once("points", name, self._points)
 
     def centre(self, name: str) -> FloatArray:
         """(n, 3) the centre in W of the box around an object's hull in its own axes (m)."""
-        facts = self.facts(name)
-        middle = (facts.points_m.min(axis=0) + facts.points_m.max(axis=0)) / 2.0
-        return to_world(self.position(facts.body), self.rotation(facts.body), middle[None])[:, 0]
+        return self._once("centre", name, self._centre)
 
     def direction(self, name: str, axis: tuple[float, float, float]) -> FloatArray:
         """(n, 3) a direction of an object in W."""
@@ -122,6 +120,25 @@ class Frames:
             if name not in but and (others is None or name in others):
                 result |= self.log.touching[self.first : self.last, column]
         return result
+
+    def _once(self, what: str, name: str, of: Callable[[str], FloatArray]) -> FloatArray:
+        """A value that several predicates read of the same rows, computed once."""
+        key = (what, name)
+        if key not in self._poses:
+            self._poses[key] = of(name)
+        return self._poses[key]
+
+    def _rotation(self, body: str) -> FloatArray:
+        return rotation_matrices(self.log.quat_wxyz[self.first : self.last, self._column(body)])
+
+    def _points(self, name: str) -> FloatArray:
+        facts = self.facts(name)
+        return to_world(self.position(facts.body), self.rotation(facts.body), facts.points_m)
+
+    def _centre(self, name: str) -> FloatArray:
+        facts = self.facts(name)
+        middle = (facts.points_m.min(axis=0) + facts.points_m.max(axis=0)) / 2.0
+        return to_world(self.position(facts.body), self.rotation(facts.body), middle[None])[:, 0]
 
     def _column(self, body: str) -> int:
         column = self.log.body_index.get(body)

@@ -1,0 +1,1 @@
+"""Measurements of task graphs and predicates."""
