@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from scipy.spatial.transform import Rotation
 
-from geom.pose import apply
+from geom.convex.shape_corners import shape_corners
 from replay.recording.episode import Episode, Robot, link_names
 from replay.recording.kinematics import link_poses
 from replay.verification.separation import DistanceShape, centre_and_radius, distance_shape, separation_m
@@ -27,7 +27,6 @@ from schemas.task.scene_facts import ObjectFacts, SceneFacts
 CONTACT_GAP_M = 0.001  # shapes of recordings are hulls, and simulators keep contacts within this
 TOP_SPREAD_M = 0.002  # corners within so much of the highest one bound the top of a shape
 LEAST_TOP_M2 = 1e-5  # a top smaller than 3 mm by 3 mm carries nothing
-_ROUND_CORNERS = 32
 
 
 @dataclass(frozen=True)
@@ -139,7 +138,7 @@ def _may_touch(a: DistanceShape, X_WA: FloatArray, b: DistanceShape, X_WB: Float
 
 def _facts(name: str, shapes: Sequence[CollisionShape], shape_names: Sequence[str] = ()) -> ObjectFacts:
     """Corners of all shapes, and the top of each as a surface by the shape's name, the largest first."""
-    corners = [_corners(shape) for shape in shapes] or [np.zeros((1, 3))]
+    corners = [shape_corners(shape) for shape in shapes] or [np.zeros((1, 3))]
     names = shape_names or [f"top_{k}" for k in range(len(shapes))]
     tops = [top for label, points in zip(names, corners, strict=False) if (top := _top(label, points)) is not None]
     return ObjectFacts(
@@ -148,21 +147,6 @@ def _facts(name: str, shapes: Sequence[CollisionShape], shape_names: Sequence[st
         body=name,
         surfaces=tuple(sorted(tops, key=lambda top: -top.area_m2)),
     )
-
-
-def _corners(shape: CollisionShape) -> FloatArray:
-    """(k, 3) corners of a shape in its body; round ones by points on their rims."""
-    if shape.points is not None:
-        return np.asarray(shape.points, dtype=np.float64)
-    if shape.kind == "box":
-        return apply(shape.X_AS, np.array(list(product((-0.5, 0.5), repeat=3))) * np.asarray(shape.size_m))
-    radius, half = shape.size_m[0], 0.5 * shape.size_m[1] if len(shape.size_m) > 1 else 0.0
-    turn = np.linspace(0.0, 2.0 * np.pi, _ROUND_CORNERS, endpoint=False)
-    rim = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.zeros_like(turn)], axis=1)
-    ends = [rim + np.array([0.0, 0.0, sign * half]) for sign in (-1.0, 1.0)]
-    if shape.kind != "cylinder":
-        ends += [np.array([[0.0, 0.0, sign * (half + radius)]]) for sign in (-1.0, 1.0)]
-    return apply(shape.X_AS, np.concatenate(ends))
 
 
 def _top(name: str, corners: FloatArray) -> SupportSurface | None:

@@ -57,6 +57,7 @@ def demo(
     from cli.demo.scene import show as show_scene
     from cli.demo.search import search_demo
     from cli.demo.sheets import sheets_demo
+    from cli.demo.task import task_demo
 
     data = data_folder()
     meshes = [data / name for name in OBJECTS if (data / name).is_file()]
@@ -82,10 +83,12 @@ def demo(
         accepted = acceptance_demo(library, out / GENERATED, out)
     with text.console.status("putting objects into a recording") if not as_json else nullcontext():
         replay = replay_demo(library, data / "franka_panda", out)
+    with text.console.status("judging a task") if not as_json else nullcontext():
+        tasks = task_demo(library, out)
     with text.console.status("naming a hidden effect") if not as_json else nullcontext():
         gap = gap_demo(out, jobs=jobs, tick=lambda words, done=0, total=None: None)
     page = write_page(
-        report, verdicts, spoiled, sheets, search_demo(library), scene, mechanism, accepted, replay, gap, out
+        report, verdicts, spoiled, sheets, search_demo(library), scene, mechanism, accepted, replay, tasks, gap, out
     )
     if as_json:
         print(read_report(library).model_dump_json(indent=1))

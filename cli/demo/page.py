@@ -17,6 +17,7 @@ from cli.demo.replay import ReplayDemo
 from cli.demo.scene import SceneDemo
 from cli.demo.search import SearchDemo
 from cli.demo.sheets import SheetsDemo
+from cli.demo.task import TaskDemo
 from jobs.cache import write_atomically
 from schemas.asset import AssetRecord
 from schemas.diagnostics import Diagnostic, Severity
@@ -40,6 +41,7 @@ def write_page(
     mechanism: MechanismDemo | None,
     accepted: tuple[AcceptanceDemo, ...],
     replay: ReplayDemo | None,
+    tasks: TaskDemo | None,
     gap: GapDemo,
     out: Path,
 ) -> Path:
@@ -63,6 +65,7 @@ def write_page(
         mechanism=mechanism,
         accepted=accepted,
         replay=replay,
+        tasks=tasks,
         gap=gap,
         pictures=_pictures(out, gap),
     )

@@ -82,6 +82,10 @@ class BulletResets:
         info = pybullet.getDynamicsInfo(self._bodies[number][0], -1, physicsClientId=self.client)
         return float(info[0]), np.array(info[2]), float(info[1])
 
+    def handle(self, number: int) -> int:
+        """The engine's handle of a body."""
+        return self._bodies[number][0]
+
     def poses(self) -> FloatArray:
         """X_WA (n, 4, 4) of all bodies."""
         poses_WA = []

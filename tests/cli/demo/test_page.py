@@ -12,7 +12,7 @@ from cli.demo.acceptance import AcceptanceDemo
 from schemas.acceptance import Check, Margin, SuiteSection
 
 TEMPLATE = Path(cli.demo.__file__).parent / "templates" / "demo.html"
-OPTIONAL = {"scene", "mechanism", "accepted", "replay"}  # arguments of `write_page` that may be None or empty
+OPTIONAL = {"scene", "mechanism", "accepted", "replay", "tasks"}  # arguments of `write_page` that may be None or empty
 
 
 def sections() -> dict[str, nodes.If]:
