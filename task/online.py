@@ -1,4 +1,4 @@
-"""Judges an episode frame by frame while it runs: the same events, failures and success as `task.judge` afterwards."""
+"""Judges an episode frame by frame while it runs: events, failures and success are those of `task.evaluation`."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 
 from schemas.state_log import StateLog
 from schemas.task.scene_facts import SceneFacts
+from task.evaluation import bodies_of_task
 from task.frames import Frames
 from task.graph import TaskGraph
 from task.history import FirstFailure
-from task.judge import bodies_of_task
 from task.motion_limits import first_teleport
 from task.predicates.protocol import Predicate
 

@@ -1,4 +1,4 @@
-"""Speed of judging: `python -m benchmarks.task.judge`.
+"""Speed of judging: `python -m benchmarks.task.evaluation`.
 
 Three figures, each the median of `RUNS`: processor time of one step of a graph of 20 nodes with given truth values; of
 one online frame with 20 predicates evaluated, in the world of the tests' samples; of 280 s at 30 Hz judged offline by
@@ -9,17 +9,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from statistics import median
 
 import numpy as np
 
 from schemas.state_log import StateLog
+from task.evaluation import evaluate
 from task.graph import TaskGraph, TaskNode
-from task.judge import judge
 from task.online import GraphState, OnlineJudge
 from task.predicates.table import predicate_from
 from tests.task.samples import SAMPLES
+from tests.task.test_online import row
 from tests.task.world import SCENE, logged
 
 NODES, RUNS, FRAMES = 20, 9, 2000
@@ -56,43 +58,26 @@ def steps(*, idle: bool = False) -> float:
 
 def long_log(frames: int) -> StateLog:
     """The world at rest for so many frames, so that most conditions go on being evaluated."""
-    base = logged(frames=frames)
-    return StateLog(**(vars_of(base) | {"t_s": np.arange(frames) / RATE_HZ}))
-
-
-def vars_of(log: StateLog) -> dict[str, object]:
-    """The fields of a log."""
-    return {name: getattr(log, name) for name in StateLog.__dataclass_fields__}
+    return replace(logged(frames=frames), t_s=np.arange(frames) / RATE_HZ)
 
 
 def online() -> float:
     """Seconds of a frame with all 20 conditions evaluated."""
     log, graph = long_log(60), ladder(active=True)
-    rows = [
-        StateLog(
-            **(
-                vars_of(log)
-                | {
-                    name: getattr(log, name)[k : k + 1]
-                    for name in ("t_s", "position_m", "quat_wxyz", "joint_position", "touching")
-                }
-            )
-        )
-        for k in range(60)
-    ]
+    rows = [row(log, k) for k in range(len(log))]
     evaluated = OnlineJudge(graph, SCENE)
     calls = evaluated.state
     began = time.process_time()
-    for row in rows:
+    for frame in rows:
         calls.active = dict.fromkeys(graph.order, 0.0)
-        evaluated.step(row)
+        evaluated.step(frame)
     return (time.process_time() - began) / len(rows)
 
 
 def offline() -> float:
     """Seconds for the whole long log."""
     log, graph = long_log(LONG_FRAMES), ladder(active=True)
-    return seconds(lambda: judge(graph, log, SCENE))
+    return seconds(lambda: evaluate(graph, log, SCENE))
 
 
 def seconds(action: Callable[[], object]) -> float:

@@ -22,7 +22,7 @@ from schemas.scene.program import BoxAsset
 from schemas.scene.runtime_plan import PlanBody
 from schemas.task.scene_facts import ObjectFacts, SceneFacts
 from sim.bullet.puppet import Carry, Wait, puppet_log
-from task.judge import judge
+from task.evaluation import evaluate
 from task.roles import bind_roles
 
 FOLDER = "tasks"
@@ -83,7 +83,7 @@ def task_demo(library: Path, out: Path) -> TaskDemo | None:
     episodes: list[tuple[str, str, str]] = []
     for title, script in _scripts(thing, container).items():
         log = puppet_log(_bodies(thing, container), script)
-        result = judge(graph, log, scene)
+        result = evaluate(graph, log, scene)
         timeline = folder / f"{title.replace(' ', '_')}.png"
         draw_timeline(graph, result, timeline)
         if not episodes:

@@ -138,14 +138,13 @@ def _read(task: Path, root: Path | None, benchmark: bool, as_json: bool) -> Task
 def _judged(file: TaskFile, logged: LoggedScene) -> tuple[EpisodeResult | None, list[Diagnostic]]:
     """The result of one log, or what keeps it from being judged."""
     from task.frames import StateMissing
-    from task.judge import judge
     from task.roles import bind_roles
 
     graph, faults = bind_roles(file.graph, logged.scene, file.roles)
     if faults:
         return None, [_role_finding(fault, logged.name, file) for fault in faults]
     try:
-        return judge(graph, logged.log, logged.scene), []
+        return evaluate(graph, logged.log, logged.scene), []
     except StateMissing as missing:
         return None, [finding("task/state-missing", f"{logged.name}: {missing}")]
 

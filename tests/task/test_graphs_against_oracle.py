@@ -14,10 +14,10 @@ import pytest
 from typing_extensions import override
 
 from schemas.arrays import BoolArray, FloatArray
+from task.evaluation import scores
 from task.frames import Frames
 from task.graph import TaskGraph, TaskNode
 from task.history import graph_history
-from task.judge import scores
 from task.labels import frame_labels, label_stretches
 from task.online import GraphState
 from task.predicates.protocol import Instant

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from schemas.state_log import StateLog
+from task.evaluation import LoggedConditions, evaluate
 from task.graph import TaskGraph, TaskNode
 from task.history import graph_history
-from task.judge import LoggedConditions, judge
 from task.online import OnlineJudge
 from task.predicates.table import predicate_from
 from tests.task.samples import SAMPLES
@@ -87,7 +87,7 @@ def test_online_and_offline_agree(first: int) -> None:
         assert events == list(history.events), seed
         assert online.state.failure == history.failure, seed
         assert online.state.success == (history.success_frame is not None), seed
-        assert online.state.score == judge(graph, log, SCENE).score, seed
+        assert online.state.score == evaluate(graph, log, SCENE).score, seed
         successes += online.state.success
         failures += online.state.failure is not None
     assert failures
@@ -100,7 +100,7 @@ def test_a_body_that_jumps_into_the_basket_is_no_success() -> None:
     there = np.tile(np.array([-0.3, 0.0, 0.02]), (FRAMES, 1))
     there[30:] = (0.3, 0.0, 0.025)
     log = logged(motion={"red": there})
-    result = judge(graph, log, SCENE)
+    result = evaluate(graph, log, SCENE)
     assert not result.success
     assert result.failure is not None
     assert (result.failure.reason, result.failure.frame) == ("teleport", 30)

@@ -19,7 +19,7 @@ from task.motion_limits import first_teleport
 from task.predicates.protocol import Predicate
 
 
-def judge(graph: TaskGraph, log: StateLog, scene: SceneFacts) -> EpisodeResult:
+def evaluate(graph: TaskGraph, log: StateLog, scene: SceneFacts) -> EpisodeResult:
     """The result of a log. Raises StateMissing where log or scene lack what a condition reads."""
     reached = graph_history(graph, log.t_s, LoggedConditions(graph, log, scene))
     return episode_result(graph, log.t_s.tolist(), reached)
