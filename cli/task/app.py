@@ -137,6 +137,7 @@ def _read(task: Path, root: Path | None, benchmark: bool, as_json: bool) -> Task
 
 def _judged(file: TaskFile, logged: LoggedScene) -> tuple[EpisodeResult | None, list[Diagnostic]]:
     """The result of one log, or what keeps it from being judged."""
+    from task.evaluation import evaluate
     from task.frames import StateMissing
     from task.roles import bind_roles
 
