@@ -17,6 +17,7 @@ from replay.recording.recorded_numbers import invalid_recording
 from schemas.arrays import FloatArray
 
 MAX_VALUES = 100_000_000
+MOST_LINKS = 16  # soft links one after the other; as many as libhdf5 follows
 PATIENCE_S = 60.0  # and a second for each MB, to read a file once
 _faults: dict[str, str] = {}  # by digest of what was read
 
@@ -53,26 +54,31 @@ def _digest(path: Path, _size: int, _mtime_ns: int) -> str:
 
 
 def child(group: Any, name: str, file: str) -> Any:
-    """A group or data set that lies in the same file, None where there is none. Raises InvalidInput for one outside."""
-    for word in name.split("/"):
+    """A group or data set that lies in the same file, None where there is none. Raises InvalidInput for one outside.
+
+    Soft links are followed here, a step at a time, because libhdf5 would open another file on the way.
+    """
+    words, followed = name.split("/"), 0
+    while words:
+        word, *words = words
+        if not word or word == ".":
+            continue
         link = group.get(word, getlink=True) if isinstance(group, h5py.Group) else None
         if link is None:
             return None
         if isinstance(link, h5py.ExternalLink):
             raise invalid_recording("replay/path-escape", f"'{name}' is a link to another file", file)
-        found = group.get(word)
-        if found is None:
-            return None
-        if _file_of(found) != _file_of(group):  # A soft link may lead through one to another file.
-            raise invalid_recording("replay/path-escape", f"'{name}' is a link to another file", file)
-        group = found
+        if isinstance(link, h5py.SoftLink):
+            followed += 1
+            if followed > MOST_LINKS:
+                raise invalid_recording("replay/unreadable", f"'{name}' is a link that leads in a circle", file)
+            group = group.file if link.path.startswith("/") else group
+            words = [*link.path.split("/"), *words]
+            continue
+        group = group[word]
     if isinstance(group, h5py.Dataset) and (group.external or group.is_virtual):
         raise invalid_recording("replay/path-escape", f"'{name}' is stored in another file", file)
     return group
-
-
-def _file_of(item: Any) -> str:
-    return item.file.filename
 
 
 def values(group: Any, name: str, file: str) -> FloatArray:

@@ -16,6 +16,8 @@ from schemas.diagnostics import InvalidInput
 
 def is_recording(path: Path) -> bool:
     """Whether a file or folder is a recording in one of the formats, by its layout; a damaged file counts as one."""
+    if leads_out(path):
+        return True
     kinds = (is_lerobot, is_table, is_staged_folder, is_robomimic, is_maniskill)
     try:
         return path.exists() and any(of_kind(path) for of_kind in kinds)
@@ -31,6 +33,8 @@ def read_episodes(path: Path, meshes: Path | None = None, scene: Path | None = N
     """
     if not path.exists():
         raise invalid_recording("replay/missing-file", f"'{path.name}' is absent", path.name)
+    if leads_out(path):
+        raise invalid_recording("replay/path-escape", f"'{path.name}' is a link out of its folder", path.name)
     if is_lerobot(path):
         return read_lerobot(path, scene, meshes)
     if is_table(path) and (scene or is_episode_folder(path) or not is_staged_folder(path)):
@@ -44,6 +48,14 @@ def read_episodes(path: Path, meshes: Path | None = None, scene: Path | None = N
     raise invalid_recording(
         "replay/unknown-format", f"'{path.name}' is no recording in a format that Mana reads", path.name
     )
+
+
+def leads_out(path: Path) -> bool:
+    """Whether a file is a link to one outside of its folder; links to whole folders may lead anywhere."""
+    try:
+        return path.is_file() and not path.resolve().is_relative_to(path.parent.resolve())
+    except (OSError, RuntimeError):  # a circle of links
+        return False
 
 
 def read_episode(path: Path, meshes: Path | None = None, scene: Path | None = None) -> Episode:

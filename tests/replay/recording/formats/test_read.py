@@ -170,6 +170,31 @@ def test_a_link_within_the_file_does_not_lead_out_of_it_through_another(tmp_path
     assert refusal(path) == "replay/path-escape"
 
 
+def test_links_in_a_circle_are_refused_and_plain_ones_are_followed(tmp_path: Path):
+    path = replay_samples.robomimic(tmp_path / "demo.hdf5")
+    before = read_episodes(path)
+    with h5py.File(path, "a") as file:
+        file.move("data/demo_9/states", "data/demo_9/real")
+        file["data/demo_9/states"] = h5py.SoftLink("/data/demo_9/./again")
+        file["data/demo_9/again"] = h5py.SoftLink("real")
+    assert [episode.t_s.tolist() for episode in read_episodes(path)] == [episode.t_s.tolist() for episode in before]
+    with h5py.File(path, "a") as file:
+        del file["data/demo_9/again"]
+        file["data/demo_9/again"] = h5py.SoftLink("/data/demo_9/states")
+    assert refusal(path) == "replay/unreadable"
+
+
+def test_a_file_that_is_a_link_out_of_its_folder_is_not_opened(tmp_path: Path):
+    other = replay_samples.robomimic(tmp_path / "other" / "demo.hdf5")
+    path = tmp_path / "folder" / "demo.hdf5"
+    path.parent.mkdir()
+    path.symlink_to(other)
+    assert refusal(path) == "replay/path-escape"
+    beside = other.with_name("same.hdf5")
+    beside.symlink_to(other.name)
+    assert len(read_episodes(beside)) == len(read_episodes(other))
+
+
 def truncated(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-3000])
 
