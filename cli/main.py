@@ -28,6 +28,7 @@ GROUPS = {
     "replay": ("cli.replay.app", "Put new static objects into recorded episodes, clear of all that moves."),
     "gap": ("cli.gap.app", "Compare a model with recordings and name what it is missing."),
     "task": ("cli.task.app", "Show task graphs, and judge recorded episodes and state logs by them."),
+    "pipeline": ("cli.pipeline.app", "Check pipelines before any simulator starts; print their orders."),
     "setup": ("cli.setup", "Install programs that Mana calls: Blender, for .blend files."),
     "schema": ("cli.schema", "Print the JSON Schema of a file Mana reads or writes."),
 }

@@ -14,10 +14,10 @@ LONGEST_SHOWN = 60
 
 
 class MappingReader:
-    """The entries of one mapping; `what` names it in findings, which go to `findings`."""
+    """The entries of one mapping; `what` names it in findings, which go to `findings` with codes of an area."""
 
-    def __init__(self, tree: TreeMapping, what: str, findings: list[Diagnostic]) -> None:
-        self.tree, self.what, self.findings = tree, what, findings
+    def __init__(self, tree: TreeMapping, what: str, findings: list[Diagnostic], *, area: str = "task") -> None:
+        self.tree, self.what, self.findings, self.area = tree, what, findings, area
 
     def refuse_other_keys(self, known: Sequence[str]) -> None:
         """A finding for each key that is not known."""
@@ -26,14 +26,14 @@ class MappingReader:
                 takes = did_you_mean(key, known) or f"; it takes {', '.join(known)}"
                 headline = f"`{key}` is not a key of {self.what}{takes}"
                 self.findings.append(
-                    finding("task/unknown-key", headline, where=entry.at, value=key, bound=", ".join(known))
+                    finding(f"{self.area}/unknown-key", headline, where=entry.at, value=key, bound=", ".join(known))
                 )
 
     def entry(self, key: str, *, needed: bool = False) -> TreeEntry | None:
         """The entry of a key, None where there is none; a finding where it is needed."""
         entry = self.tree.items.get(key)
         if entry is None and needed:
-            self.findings.append(finding("task/missing-key", f"{self.what} needs `{key}`", where=self.tree.at))
+            self.findings.append(finding(f"{self.area}/missing-key", f"{self.what} needs `{key}`", where=self.tree.at))
         return entry
 
     def text(self, key: str, *, needed: bool = False) -> str | None:
@@ -102,11 +102,8 @@ class MappingReader:
 
     def wrong(self, key: str, takes: str, entry: TreeEntry) -> None:
         """A finding about the value of a key."""
-        self.findings.append(
-            finding(
-                "task/invalid-value", f"`{key}` of {self.what} {takes}", where=place(entry), value=shown(entry.value)
-            )
-        )
+        code, headline = f"{self.area}/invalid-value", f"`{key}` of {self.what} {takes}"
+        self.findings.append(finding(code, headline, where=place(entry), value=shown(entry.value)))
 
     @staticmethod
     def _is_number(tree: Tree) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -49,17 +49,20 @@ def read_task(
     findings = [*diagnostics, *rules]
     if any_error(findings):
         return None, tuple(findings)
-    return _task(tree, path.stem, findings, benchmark)
+    file = task_of(tree, path.stem, findings, benchmark=benchmark)
+    return file, tuple(sorted(findings, key=_order) if file is None else findings)
 
 
-def _task(
-    tree: Tree, stem: str, findings: list[Diagnostic], benchmark: bool
-) -> tuple[TaskFile | None, tuple[Diagnostic, ...]]:
+def task_of(
+    tree: Tree, name: str, findings: list[Diagnostic], *, benchmark: bool = False, other_keys: Sequence[str] = ()
+) -> TaskFile | None:
+    """The task of a tree, None where it has an error; `other_keys` are not the task's and are passed over."""
+    before = len(findings)
     if not isinstance(tree, TreeMapping):
         findings.append(finding("task/invalid-value", "a task file is a mapping", where=tree.at))
-        return None, tuple(findings)
+        return None
     file = MappingReader(tree, "a task file", findings)
-    file.refuse_other_keys(FILE_KEYS)
+    file.refuse_other_keys((*FILE_KEYS, *other_keys))
     generator = file.mapping("graph_task_generator", needed=True)
     nodes: list[TaskNode] = []
     places: dict[str, Location] = {}
@@ -75,12 +78,12 @@ def _task(
         None if failure is None else read_predicate(failure.value, "`failure` of the task", findings, failure.at)
     )
     roles = _roles(file, findings)
-    name, instruction = file.text("task") or stem, file.text("instruction") or ""
+    name, instruction = file.text("task") or name, file.text("instruction") or ""
     limit_s = file.number("time_limit_s", above=0.0)
-    if any_error(findings):
-        return None, tuple(sorted(findings, key=_order))
+    if any_error(findings[before:]):
+        return None
     task = TaskGraph(name, tuple(nodes), edges, task_failure, limit_s, instruction)
-    return TaskFile(task, roles, places), tuple(findings)
+    return TaskFile(task, roles, places)
 
 
 def _nodes(graph: MappingReader, findings: list[Diagnostic]) -> tuple[list[TaskNode], dict[str, Location]]:

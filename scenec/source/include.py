@@ -52,7 +52,7 @@ class _Loader:
         if not isinstance(tree, TreeMapping):
             return self.expand(tree, target, inside)
         block = TreeMapping({k: i for k, i in tree.items.items() if k != INCLUDE}, tree.at)
-        over = _lifted(self.expand(block, target, inside), self.diagnostics)
+        over = lift_definition(self.expand(block, target, inside), self.diagnostics)
         bases = [self._included(name, target, inside, top=True) for name in self._names(tree)]
         return self._layered(bases, over)
 
@@ -139,7 +139,7 @@ class _Loader:
         return self.parsed[target].tree, target
 
 
-def _lifted(tree: Tree, diagnostics: list[Diagnostic]) -> Tree:
+def lift_definition(tree: Tree, diagnostics: list[Diagnostic]) -> Tree:
     """Sections under `definition` moved to the top level, where existing ones are merged over them."""
     if not isinstance(tree, TreeMapping) or DEFINITION not in tree.items:
         return tree

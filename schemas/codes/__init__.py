@@ -12,6 +12,7 @@ from schemas.codes.gap import GAP_CODES
 from schemas.codes.gate import GATE_CODES
 from schemas.codes.intake import INTAKE_CODES
 from schemas.codes.joints import JOINT_CODES
+from schemas.codes.pipeline import PIPELINE_CODES
 from schemas.codes.plan import PLAN_CODES
 from schemas.codes.replay import REPLAY_CODES
 from schemas.codes.robot import ROBOT_CODES
@@ -34,4 +35,5 @@ CODES: dict[str, CodeInfo] = {
     **REPLAY_CODES,
     **ROBOT_CODES,
     **TASK_CODES,
+    **PIPELINE_CODES,
 }

@@ -37,6 +37,7 @@ from tests.support.scene import library as scene_library
 
 PAGES = Path(__file__).parents[2] / "docs" / "diagnostics"
 GAP, SCENE, PLAN, REPLAY, ROBOT, TASK = "gap/", "scene/", "plan/", "replay/", "robot/", "task/"
+PIPELINE = "pipeline/"  # tests/dsl/test_pipeline_file.py
 
 
 def findings(file: Path, options: Options) -> list[Diagnostic]:
@@ -62,7 +63,7 @@ def findings(file: Path, options: Options) -> list[Diagnostic]:
 
 
 def test_every_code_has_a_sample():
-    areas = (GAP, SCENE, PLAN, REPLAY, ROBOT, TASK)
+    areas = (GAP, SCENE, PLAN, REPLAY, ROBOT, TASK, PIPELINE)
     assert {*SAMPLES, *NOT_FROM_A_FILE} == {c for c in CODES if not c.startswith(areas)}
     assert not set(SAMPLES) & set(NOT_FROM_A_FILE)
 

@@ -1,0 +1,1 @@
+"""`mana pipeline`: pipelines checked, explained and lowered to orders, before any simulator starts."""
