@@ -12,8 +12,8 @@ from scenec.source.include import lift_definition
 from scenec.source.tree import Scalar, Spans, Tree, TreeMapping, child, plain
 from scenec.source.validate import validate
 from schemas.diagnostics import Diagnostic, Location, finding
-from schemas.orders import RobotOrder, SceneOrder, TaskNodeOrder, TaskOrder
 from schemas.scene.program import SceneProgram
+from schemas.task.orders import RobotOrder, SceneOrder, TaskNodeOrder, TaskOrder
 
 NAME, GRIPPER = "name", "gripper_variant"
 FRAGMENT_NAMES = {"scene": (("definition", "scene_type"), ("scene",)), "robot": (("robot",),), "task": (("task",),)}

@@ -1,4 +1,4 @@
-"""Reads a pipeline: orders of parts, assemblies and rollouts, lowered to `schemas.orders`; nothing is made.
+"""Reads a pipeline: orders of parts, assemblies and rollouts, lowered to `schemas.task.orders`; nothing is made.
 
 Sections stand in the order in which they are fulfilled: factories and orders of parts, then assemblies, then rollouts.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args
+from typing import cast, get_args
 
 import numpy as np
 
@@ -20,8 +20,8 @@ from scenec.source.include import load
 from scenec.source.merge import resolve_overlays
 from scenec.source.tree import Scalar, Tree, TreeMapping, plain
 from schemas.diagnostics import Diagnostic, Location, any_error, finding
-from schemas.orders import AssemblyOrder, Mode, Orders, RolloutOrder
 from schemas.scene.program import SceneProgram
+from schemas.task.orders import AssemblyOrder, Mode, Orders, RolloutOrder
 from schemas.task.scene_facts import ObjectFacts, SceneFacts
 from task.roles import MARK, bind_roles
 
@@ -202,7 +202,7 @@ def named_objects(program: SceneProgram) -> SceneFacts:
     names = {name: tags.get(node.object or name, ()) for name, node in program.layout.nodes.items()}
     names |= dict.fromkeys(WORLD_OBJECTS, ())
     point = np.zeros((1, 3))
-    return SceneFacts({name: ObjectFacts(name, point, name, tags=tuple(own)) for name, own in names.items()})
+    return SceneFacts({name: ObjectFacts(name, point, name, tags=tuple(words)) for name, words in names.items()})
 
 
 def _rollouts(
@@ -233,7 +233,7 @@ def _modes(rollout: MappingReader, findings: list[Diagnostic]) -> tuple[Mode, ..
     modes: list[Mode] = []
     for item in rollout.list("modes", needed=True):
         if isinstance(item, Scalar) and item.text in known:
-            modes.append(item.text)  # pyright: ignore[reportArgumentType]
+            modes.append(cast(Mode, item.text))
         else:
             word = item.text if isinstance(item, Scalar) else ""
             headline = f"a mode is {' or '.join(known)}{did_you_mean(word, known)}"

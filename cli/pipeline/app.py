@@ -13,7 +13,7 @@ from cli import source_text, text
 from schemas.diagnostics import Diagnostic, any_error
 
 if TYPE_CHECKING:
-    from schemas.orders import Orders
+    from schemas.task.orders import Orders
 
 app = typer.Typer(
     help="Check pipelines before any simulator starts; explain them and print their orders.", no_args_is_help=True

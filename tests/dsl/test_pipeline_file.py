@@ -11,7 +11,7 @@ import pytest
 
 from dsl.pipeline_file import PipelineFile, read_pipeline
 from schemas.codes import CODES
-from schemas.orders import Orders
+from schemas.task.orders import Orders
 from tests.support.bad_inputs.pipeline import CHANGES, SOUND, sample, write
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "pipelines" / "pick_place" / "pipeline.yaml"

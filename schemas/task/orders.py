@@ -1,4 +1,4 @@
-"""Orders: what a pipeline asks the factories to make, lowered from YAML; they alone cross from `dsl` to the factories.
+"""Orders of things to make, lowered from a pipeline; they alone cross from `dsl` to the factories.
 
 Every order has a name and plain values, so that it can be hashed, compared and stored.
 """
