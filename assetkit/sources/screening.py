@@ -19,6 +19,8 @@ TO_CONVERT = {
     ".sdf": ("robot/sdf", "SDF models are not read"),
 }
 
+LARGEST_COORDINATE = 1e100  # its cube, a volume, is still a number
+
 
 def file_findings(asset: SourceAsset, formats: Collection[str]) -> list[Diagnostic]:
     """Why the file of `asset` cannot be read as one of `formats`, the first reason only; [] when it can."""
@@ -49,6 +51,12 @@ def require_surface(model: Model) -> None:
     points = np.concatenate([m.points for m in model.meshes])
     if not np.isfinite(points).all():
         raise InvalidInput(finding("asset/nonfinite-vertices", "a coordinate is NaN or infinite after transforms"))
+    largest = float(np.abs(points).max(initial=0.0))
+    if largest > LARGEST_COORDINATE:
+        headline = "a coordinate is so large that areas and volumes would be infinite"
+        raise InvalidInput(
+            finding("asset/nonfinite-vertices", headline, value=largest, bound=LARGEST_COORDINATE, unit="source units")
+        )
     starts = np.cumsum([0, *(len(m.points) for m in model.meshes)])[:-1]
     triangles = np.concatenate([m.triangles + s for m, s in zip(model.meshes, starts, strict=True)])
     topology = observe(points, triangles, "merged")
