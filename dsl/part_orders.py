@@ -9,7 +9,7 @@ from dsl.mapping_reader import MappingReader
 from dsl.task_file import TaskFile, task_of
 from scenec.source.checks import check_program
 from scenec.source.include import lift_definition
-from scenec.source.tree import Scalar, Spans, Tree, TreeMapping, child, plain
+from scenec.source.tree import Scalar, Spans, Tree, TreeList, TreeMapping, child, plain
 from scenec.source.validate import validate
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.scene.program import SceneProgram
@@ -21,7 +21,10 @@ FRAGMENT_NAMES = {"scene": (("definition", "scene_type"), ("scene",)), "robot": 
 
 @dataclass
 class Parts:
-    """Orders of parts by name, what they were read from, and where; an order with an error is None."""
+    """Orders of parts by name, what they were read from, and where; an order with an error is None.
+
+    `tag_places` has for each scene where its tags are written.
+    """
 
     scenes: dict[str, tuple[SceneOrder, SceneProgram] | None] = field(
         default_factory=dict[str, tuple[SceneOrder, SceneProgram] | None]
@@ -31,6 +34,7 @@ class Parts:
         default_factory=dict[str, tuple[TaskOrder, TaskFile] | None]
     )
     places: dict[tuple[str, str], Location] = field(default_factory=dict[tuple[str, str], Location])
+    tag_places: dict[str, dict[str, Location]] = field(default_factory=dict[str, dict[str, Location]])
 
 
 def read_part(kind: str, tree: Tree, parts: Parts, findings: list[Diagnostic], *, benchmark: bool) -> None:
@@ -51,6 +55,7 @@ def read_part(kind: str, tree: Tree, parts: Parts, findings: list[Diagnostic], *
     parts.places[kind, name] = tree.at
     if kind == "scene":
         parts.scenes[name] = _scene(name, tree, findings)
+        parts.tag_places[name] = _tag_places(tree)
     elif kind == "robot":
         parts.robots[name] = _robot(name, tree, findings)
     else:
@@ -83,6 +88,18 @@ def _scene(name: str, tree: TreeMapping, findings: list[Diagnostic]) -> tuple[Sc
     if any(each.severity.value == "error" for each in checked):
         return None
     return SceneOrder(name=name, program=dict(plain(program_tree))), program
+
+
+def _tag_places(tree: TreeMapping) -> dict[str, Location]:
+    """Where each tag of a scene's objects stands first."""
+    places: dict[str, Location] = {}
+    objects = child(tree, ("objects",))
+    for item in objects.items if isinstance(objects, TreeList) else ():
+        tags = child(item, ("semantic_tags",))
+        for tag in tags.items if isinstance(tags, TreeList) else ():
+            if isinstance(tag, Scalar):
+                places.setdefault(tag.text, tag.at)
+    return places
 
 
 def _robot(name: str, tree: TreeMapping, findings: list[Diagnostic]) -> RobotOrder:

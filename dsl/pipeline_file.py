@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import cast, get_args
 
@@ -19,7 +20,7 @@ from scenec.source.hint import did_you_mean
 from scenec.source.include import load
 from scenec.source.merge import resolve_overlays
 from scenec.source.tree import Scalar, Tree, TreeMapping, plain
-from schemas.diagnostics import Diagnostic, Location, any_error, finding
+from schemas.diagnostics import Diagnostic, Label, Location, any_error, finding
 from schemas.scene.program import SceneProgram
 from schemas.task.orders import AssemblyOrder, Mode, Orders, RolloutOrder
 from schemas.task.scene_facts import ObjectFacts, SceneFacts
@@ -183,12 +184,20 @@ def _bindings(
         headline = f"`{fault.name}` of the task `{task}` {words} the scene `{scene}`; candidates: {candidates}"
         code = "pipeline/unbound-role" if unbound else "pipeline/ambiguous-role"
         where = file.places.get(fault.node, parts.places["task", task])
-        findings.append(finding(code, f"{assembly}: {headline}", where=where, value=fault.name))
+        labels = _near_tags(fault.name, parts.tag_places.get(scene, {})) if unbound else ()
+        findings.append(finding(code, f"{assembly}: {headline}", where=where, value=fault.name, labels=labels))
     roles = {name for name in _names(file) if name.startswith(MARK)}
     return {
         role: tuple(file.roles.get(role.removeprefix(MARK), facts.tagged(role.removeprefix(MARK))))
         for role in sorted(roles)
     }
+
+
+def _near_tags(role: str, places: Mapping[str, Location]) -> tuple[Label, ...]:
+    """Where the scene has a tag that is spelt almost like the role."""
+    tag = role.removeprefix(MARK)
+    near = get_close_matches(tag, list(places), n=1)
+    return tuple(Label(where=places[name], text=f"`{name}` is a tag here; was `{tag}` meant?") for name in near)
 
 
 def _names(file: TaskFile) -> set[str]:

@@ -131,7 +131,10 @@ def _edges(graph: MappingReader, ids: list[str], findings: list[Diagnostic]) -> 
             if end is not None and end not in ids:
                 headline = f"`{key}: {end}` names no node{did_you_mean(end, ids)}"
                 findings.append(finding("task/invalid-graph", headline, where=place(item.items[key]), value=end))
-        if ends[0] in ids and ends[1] in ids:
+        if ends[0] in ids and ends[0] == ends[1]:
+            headline = f"the node `{ends[0]}` waits for itself"
+            findings.append(finding("task/invalid-graph", headline, where=place(item.items["dst"]), value=ends[0]))
+        elif ends[0] in ids and ends[1] in ids:
             edges.append((str(ends[0]), str(ends[1])))
             circle = graph_faults(ids, tuple(edges))
             if circle:

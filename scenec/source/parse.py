@@ -46,7 +46,8 @@ def parse(data: bytes, file: str, depth: int = 0, line: int = 0) -> Parsed:
         empty = TreeMapping({}, Location(file=file, line=1, column=1))
         return Parsed(reader.tree(root, depth) if root is not None else empty, tuple(reader.diagnostics), reader.values)
     except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
+        unclosed = error.context is not None and "flow" in error.context  # shown where the bracket was opened
+        mark = (error.context_mark if unclosed else None) or error.problem_mark or error.context_mark
         where = Location(file=file, line=mark.line + 1, column=mark.column + 1) if mark else Location(file=file)
         problem = error.problem or error.context or "unreadable"
     except UnicodeDecodeError as error:
