@@ -101,5 +101,6 @@ def numbered(group: Any, prefix: str) -> list[str]:
 
 
 def text(attribute: Any) -> str:
-    """An attribute as text."""
-    return attribute.decode("utf-8", "replace") if isinstance(attribute, bytes) else str(attribute)
+    """An attribute as text; bytes that are no UTF-8, which h5py keeps as surrogates, become question marks."""
+    raw = attribute if isinstance(attribute, bytes) else str(attribute).encode("utf-8", "surrogateescape")
+    return raw.decode("utf-8", "replace")
