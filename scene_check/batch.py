@@ -50,6 +50,7 @@ class SceneRules:
     keep_outs: tuple[KeepOutVolume, ...] = ()
     reach: ReachRing | None = None
     keep_clear: tuple[KeepClear, ...] = ()
+    stacks: tuple[tuple[str, ...], ...] = ()
 
     @cached_property
     def number(self) -> dict[str, int]:
@@ -94,6 +95,7 @@ def scene_at(rules: SceneRules, poses: BatchPoses, k: int) -> CheckScene:
         keep_outs=tuple((place(rule.parent, rule.place), rule) for rule in rules.keep_outs),
         reach=rules.reach,
         keep_clear=tuple(SweptSpace(space, *owner(space.owner)) for space in rules.keep_clear),
+        stacks=rules.stacks,
     )
 
 

@@ -39,4 +39,5 @@ def scene_rules(plan: RuntimePlan, combination: PlanCombination) -> SceneRules:
         keep_outs=tuple(keep_out_of(rule, *places[rule.place]) for rule in combination.keep_outs),
         keep_clear=tuple(map(keep_clear_of, combination.keep_clear)),
         reach=None if combination.reach is None else reach_of(combination.reach),
+        stacks=combination.stacks,
     )

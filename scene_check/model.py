@@ -92,6 +92,7 @@ class CheckScene:
     keep_outs: tuple[tuple[PosedPlace, KeepOutVolume], ...] = ()
     reach: ReachRing | None = None
     keep_clear: tuple[SweptSpace, ...] = ()
+    stacks: tuple[tuple[str, ...], ...] = ()  # names of objects that stand on one another, the lowest first
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from schemas.scene.program import (
     Ranges,
     Slot,
     SlotGroup,
+    StackGroup,
 )
 
 FULL_TURN = 2.0 * np.pi
@@ -26,7 +27,7 @@ FULL_TURN = 2.0 * np.pi
 
 def orientation_of(placing: Placement | Group) -> tuple[Orientation, tuple[tuple[int, float], ...]]:
     """The orientations to prepare; for discrete poses also (number of the orientation, yaw) of each."""
-    if isinstance(placing, SlotGroup):
+    if isinstance(placing, SlotGroup | StackGroup):
         return "upright", ()
     if not isinstance(placing, DiscretePlacement):
         return placing.orientation, ()

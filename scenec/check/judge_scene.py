@@ -71,7 +71,7 @@ def check_scene(
         )
         for k, relation in enumerate(problem.relations)
     )
-    return CheckScene(objects, problem.clearance_m, relations, keep_outs, problem.reach, keep_clear)
+    return CheckScene(objects, problem.clearance_m, relations, keep_outs, problem.reach, keep_clear, problem.stacks)
 
 
 def world_poses(problem: Problem, placements: dict[str, Placement]) -> dict[str, LevelPose]:

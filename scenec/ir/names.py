@@ -13,6 +13,7 @@ from schemas.scene.program import (
     ScatterGroup,
     SceneProgram,
     SlotGroup,
+    StackGroup,
     VolumeGroup,
     VolumePlacement,
 )
@@ -94,6 +95,10 @@ class Names:
         placed = {anchor: self.placed(reference.object) for anchor, reference in self.program.anchors.items()}
         return {anchor: things[0] for anchor, things in placed.items() if len(things) == 1}
 
+    def stacked(self, group: str) -> tuple[str, ...]:
+        """The things of a stack from the lowest to the highest."""
+        return self.things_named(group) if isinstance(self.program.layout.groups[group], StackGroup) else ()
+
     def placing(self, node: str) -> Placement | Group | None:
         """What places a node: its own placement, or the group that owns it."""
         groups = self.groups_of.get(node, ())
@@ -108,7 +113,7 @@ class Names:
         if node not in self.groups_of:
             return 1
         groups = (self.program.layout.groups[name] for name in self.groups_of[node])
-        return max((group.count for group in groups if isinstance(group, ScatterGroup)), default=1)
+        return max((group.count for group in groups if isinstance(group, ScatterGroup | StackGroup)), default=1)
 
     def _copies(self, node: str) -> tuple[str, ...]:
         count = self._count(node)
@@ -133,7 +138,7 @@ def upright(placing: Placement | Group | None) -> bool:
     """Whether the placed things can only turn about the vertical."""
     if isinstance(placing, DiscretePlacement):
         quats = [pose.quat_wxyz for pose in placing.poses if pose.quat_wxyz is not None]
-    elif placing is None or isinstance(placing, SlotGroup) or placing.orientation == "upright":
+    elif placing is None or isinstance(placing, SlotGroup | StackGroup) or placing.orientation == "upright":
         return True
     elif placing.orientation == "stable":
         return False

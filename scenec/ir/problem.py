@@ -75,6 +75,7 @@ class Problem:
     reach: ReachRing | None = None
     combination: dict[str, str] = field(default_factory=dict)
     keep_clear: tuple[KeepClear, ...] = ()
+    stacks: tuple[tuple[str, ...], ...] = ()  # names of things that stand on one another, the lowest first
 
     @cached_property
     def key(self) -> tuple[tuple[str, str], ...]:

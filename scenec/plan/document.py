@@ -123,6 +123,7 @@ def _combination(
         relations=tuple(map(written_relation, problem.relations)),
         keep_outs=tuple(written_keep_out(rule, number[rule.parent, rule.place.name]) for rule in problem.keep_outs),
         keep_clear=tuple(map(written_keep_clear, problem.keep_clear)),
+        stacks=problem.stacks,
         reach=None if problem.reach is None else written_reach(problem.reach),
         materials=tuple(material.id for material in program.variants.materials),
         lighting=tuple(lighting.id for lighting in program.variants.lighting),

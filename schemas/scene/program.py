@@ -241,7 +241,23 @@ class SlotGroup(Written):
     assign: dict[str, str] = Field(default={})
 
 
-Group: TypeAlias = Annotated[RegionGroup | ScatterGroup | VolumeGroup | SlotGroup, Field(discriminator="type")]
+class StackGroup(Written):
+    """Members stand on one another in their order: the first on the surface, each other on the top of the one below."""
+
+    type: Literal["stack"]
+    members: tuple[str, ...] = Field(min_length=1)
+    surface: str
+    count: Annotated[int, Field(ge=1)] = Field(default=1, description="copies of each member, one above the other")
+    ranges: Ranges = Field(default=Ranges(), description="of the lowest one")
+    alignment: Distance = Field(
+        default=0.0, description="m along each axis by which an origin may be off the middle of the top below it"
+    )
+    turn_deg: Range = Field(default=(0.0, 0.0), description="heading of each relative to the one below it")
+
+
+Group: TypeAlias = Annotated[
+    RegionGroup | ScatterGroup | VolumeGroup | SlotGroup | StackGroup, Field(discriminator="type")
+]
 
 
 class Layout(Written):

@@ -195,6 +195,11 @@ class PlanCombination(_Model):
     relations: tuple[PlanRelation, ...] = ()
     keep_outs: tuple[PlanKeepOut, ...] = ()
     keep_clear: tuple[PlanKeepClear, ...] = Field(default=(), exclude_if=lambda rules: not rules)
+    stacks: tuple[tuple[str, ...], ...] = Field(
+        default=(),
+        exclude_if=lambda stacks: not stacks,
+        description="things that stand on one another, the lowest first",
+    )
     reach: PlanReach | None = None
     materials: tuple[str, ...] = Field(default=(), description="ids of the paired materials that fit its assets")
     lighting: tuple[str, ...] = Field(default=(), description="ids of the lightings valid with it")
