@@ -77,7 +77,7 @@ def _fill(backend: Backend, samples: Samples, chunk: slice, tables: PlanTables, 
 def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index: int, u: Array) -> None:
     """Draw `rows`, all of one combination, into `samples`."""
     tables, layout, body_stances = plan.combinations[index], plan.layout, plan.body_stances
-    things = len(tables.things)
+    things = len(tables.first_row)
     columns = slice(None) if tables.all_things else tables.things
     # Rows x columns of the result.
     at: Array = cast(Array, rows) if isinstance(rows, slice) or tables.all_things else rows[:, None]
@@ -89,6 +89,10 @@ def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index
     x, y = _origin(backend, tables, table_rows, body_stance, c, s, u[:, layout.xs :], u[:, layout.ys :])
     z = _pick(backend, tables.height_m, table_rows) + _pick(backend, body_stances.origin_height_m, body_stance)
     _to_world(tables, x, y, z, c, s)
+    quat_wxyz = _quaternion(backend, body_stances, body_stance, c, s)
+    if tables.shown is not None:
+        bodies, stance, yaw, x, y, z = (part[..., tables.shown] for part in (bodies, stance, yaw, x, y, z))
+        quat_wxyz = tuple(part[..., tables.shown] for part in quat_wxyz)
     samples.case[rows, : len(tables.pools)] = cases
     samples.present[at, columns] = True
     samples.asset_index[at, columns] = bodies
@@ -97,7 +101,7 @@ def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index
     samples.yaw_rad[at, columns] = yaw
     for axis, values in enumerate((x, y, z)):
         samples.position_m[at, columns, axis] = values
-    for axis, values in enumerate(_quaternion(backend, body_stances, body_stance, c, s)):
+    for axis, values in enumerate(quat_wxyz):
         samples.quat_wxyz[at, columns, axis] = values
     samples.background[rows] = tables.background_body
     _materials_and_lighting(backend, samples, rows, at, columns, plan, tables, u)
@@ -128,7 +132,7 @@ def _bodies_and_stances(
     if tables.bodies.shape[1] == 1:
         bodies = tables.bodies[:, 0]
     else:
-        drawn = backend.floor_to_int(u[:, layout.bodies : layout.bodies + len(tables.things)] * tables.body_count)
+        drawn = backend.floor_to_int(u[:, layout.bodies : layout.bodies + len(tables.first_row)] * tables.body_count)
         bodies = _pick(backend, tables.bodies, drawn + tables.body_row)
     return bodies, stance, _pick(backend, body_stances.start, bodies) + stance
 

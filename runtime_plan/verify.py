@@ -43,7 +43,7 @@ class Judge:
 
     def _of_combination(self, index: int, samples: Samples, rows: np.ndarray) -> Iterator[tuple[int, Row]]:
         combination, rules = self._plan.combinations[index], self._rules(index)
-        columns = [self._names.index(thing.id) for thing in combination.things]
+        columns = [self._names.index(thing.id) for thing in combination.objects]
         is_complete = np.ones(len(rows), dtype=bool)
         for k, text, names in _incomplete(combination, self._names, samples, rows, columns):
             is_complete[np.searchsorted(rows, k)] = False
@@ -73,8 +73,9 @@ def _incomplete(
     present = samples.present[rows]
     for k, column in np.argwhere(present != expected).tolist():
         yield int(rows[k]), "extra" if present[k, column] else "missing", [names[column]]
-    for thing, column in zip(combination.things, columns, strict=True):
-        owner = names.index(thing.parent) if thing.parent in names else -1
+    for thing, column in zip(combination.objects, columns, strict=True):
+        parent, _ = combination.standing_on(thing)
+        owner = names.index(parent) if parent in names else -1
         wrong = present[:, column] & (samples.support[rows, column] != owner)
         for k in np.flatnonzero(wrong).tolist():
             yield int(rows[k]), "support", [thing.id]
@@ -92,7 +93,7 @@ def batch_poses(
     shape = (len(rows), len(columns))
     body_stance, known = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=bool)
     yaw = np.zeros(shape)
-    for i, (thing, column) in enumerate(zip(combination.things, columns, strict=True)):
+    for i, (thing, column) in enumerate(zip(combination.objects, columns, strict=True)):
         body = np.repeat(thing.bodies, [len(plan.bodies[b].stances) for b in thing.bodies])
         stances = np.concatenate([np.arange(len(plan.bodies[b].stances)) for b in thing.bodies])
         quats = np.array([stance.quat_wxyz for b in thing.bodies for stance in plan.bodies[b].stances])

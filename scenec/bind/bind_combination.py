@@ -13,6 +13,7 @@ import shapely
 from scenec.bind.asset_library import AssetLibrary, Geometry
 from scenec.bind.bind_relations import lower_relations
 from scenec.bind.choice_spans import candidate_path
+from scenec.bind.grid_frames import with_frame
 from scenec.bind.joint_states import JointState, joint_named, joint_state
 from scenec.bind.posed_asset import TILT_DEG
 from scenec.bind.stack_levels import most_off_balance_m, stack_level
@@ -77,6 +78,7 @@ class Lowering:
         program, background = self.program, self.choice.background
         nodes = (node for node in program.layout.nodes if node in self.nodes)
         things = {thing.name: thing for node in nodes for thing in self._things(node)}
+        things = self._with_frames(things)
         background_yaw = yaw_of(background) if background is not None else 0.0
         relations: tuple[SceneRelation, ...] = ()
         if not any_error(self.diagnostics):
@@ -184,6 +186,15 @@ class Lowering:
             return thing
         level = stack_level(top, thing.body, group, path)
         return replace(thing, parent=below, place=level.place, domain=level.domain)
+
+    def _with_frames(self, things: dict[str, Thing]) -> dict[str, Thing]:
+        """The things, with the frame of each grid before its members."""
+        for name, group in self.names.grids.items():
+            members = [things[thing] for thing in self.names.things_named(name) if thing in things]
+            if len(members) == len(group.cells()):
+                framed = {thing.name: thing for thing in with_frame(name, group, members, ("layout", "groups", name))}
+                things = {thing: at for thing, at in things.items() if thing not in framed} | framed
+        return things
 
     def _top(self, name: str) -> ScenePlace | None:
         """The highest surface of a thing, None where it has none."""

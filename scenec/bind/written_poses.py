@@ -12,6 +12,7 @@ from schemas.scene.geometry import Domain, FixedPose
 from schemas.scene.program import (
     Background,
     DiscretePlacement,
+    GridGroup,
     Group,
     Orientation,
     Placement,
@@ -27,7 +28,7 @@ FULL_TURN = 2.0 * np.pi
 
 def orientation_of(placing: Placement | Group) -> tuple[Orientation, tuple[tuple[int, float], ...]]:
     """The orientations to prepare; for discrete poses also (number of the orientation, yaw) of each."""
-    if isinstance(placing, SlotGroup | StackGroup):
+    if isinstance(placing, SlotGroup | StackGroup | GridGroup):
         return "upright", ()
     if not isinstance(placing, DiscretePlacement):
         return placing.orientation, ()

@@ -116,6 +116,7 @@ def _combination(
                 thing.parent,
                 number[thing.parent, thing.place.name],
                 thing.tags,
+                thing.is_frame,
             )
             for thing in things
         ),

@@ -29,7 +29,7 @@ def check_relations(names: Names, spans: Spans) -> Iterator[Diagnostic]:
 
 
 def _things(names: Names, word: str, things: tuple[str, ...], spans: Spans, path: Path) -> Iterator[Diagnostic]:
-    known = [*names.program.layout.nodes, *names.program.layout.groups, *names.things]
+    known = [*names.program.layout.nodes, *names.program.layout.groups, *names.things, *names.lines]
     seen: set[str] = set()
     for k, name in enumerate(things):
         stands_for = names.things_named(name)

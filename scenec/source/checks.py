@@ -24,6 +24,7 @@ from schemas.scene.program import (
     AuthoredPolygon,
     DiscretePlacement,
     FixedAsset,
+    GridGroup,
     Pose,
     Ranges,
     SceneProgram,
@@ -142,7 +143,7 @@ def _assignment(group: SlotGroup, assign: dict[str, str], spans: Spans, path: Pa
 def _numbers(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
     """Angles given twice, reversed ranges, quaternions that are no rotations."""
     for path, placing in written_placings(program):
-        if not isinstance(placing, SlotGroup | DiscretePlacement | StackGroup) and isinstance(
+        if not isinstance(placing, SlotGroup | DiscretePlacement | StackGroup | GridGroup) and isinstance(
             placing.orientation, tuple
         ):
             quats = [((*path, "orientation", i), quat) for i, quat in enumerate(placing.orientation)]

@@ -13,4 +13,11 @@ SCENE_GROUP_CODES: dict[str, CodeInfo] = {
         "not over what carries it.",
         "take a smaller `alignment`, a broader thing below, or fewer things",
     ),
+    "scene/grid-size": CodeInfo(
+        "error",
+        "The members of a grid do not fill its cells",
+        "A grid has one member for each cell, or one that is copied into all of them; else it would be open which "
+        "cells stay empty.",
+        "name as many members as rows times columns, or a single one",
+    ),
 }

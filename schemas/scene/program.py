@@ -255,8 +255,42 @@ class StackGroup(Written):
     turn_deg: Range = Field(default=(0.0, 0.0), description="heading of each relative to the one below it")
 
 
+class GridGroup(Written):
+    """Members in rows and columns; the whole grid moves and turns within `ranges`, its middle being its origin."""
+
+    type: Literal["grid"]
+    members: tuple[str, ...] = Field(min_length=1, description="one for each cell, or one for all of them")
+    surface: str
+    rows: Annotated[int, Field(ge=1)] | tuple[str, ...] = Field(description="number or names, from the front (-y)")
+    columns: Annotated[int, Field(ge=1)] | tuple[str, ...] = Field(description="number or names, from the left (-x)")
+    pitch: tuple[Length, Length] = Field(description="distance of origins along x and y of the grid")
+    order: Literal["rows", "columns"] = Field(default="rows", description="what the members fill first")
+    ranges: Ranges = Ranges()
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Names of the rows; `row_1`, `row_2` where only their number is written."""
+        return _numbered("row", self.rows) if isinstance(self.rows, int) else self.rows
+
+    @property
+    def column_names(self) -> tuple[str, ...]:
+        """Names of the columns; `column_1`, `column_2` where only their number is written."""
+        return _numbered("column", self.columns) if isinstance(self.columns, int) else self.columns
+
+    def cells(self) -> tuple[tuple[int, int], ...]:
+        """Row and column of each cell, in the order in which members fill them."""
+        rows, columns = range(len(self.row_names)), range(len(self.column_names))
+        if self.order == "rows":
+            return tuple((r, c) for r in rows for c in columns)
+        return tuple((r, c) for c in columns for r in rows)
+
+
+def _numbered(word: str, count: int) -> tuple[str, ...]:
+    return tuple(f"{word}_{k}" for k in range(1, count + 1))
+
+
 Group: TypeAlias = Annotated[
-    RegionGroup | ScatterGroup | VolumeGroup | SlotGroup | StackGroup, Field(discriminator="type")
+    RegionGroup | ScatterGroup | VolumeGroup | SlotGroup | StackGroup | GridGroup, Field(discriminator="type")
 ]
 
 

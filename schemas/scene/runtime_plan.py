@@ -112,6 +112,11 @@ class PlanThing(_Model):
     stances: tuple[int, ...] = (0,)
     spots: tuple[PlanSpot, ...] = ()
     semantic_tags: tuple[str, ...] = ()
+    is_frame: bool = Field(
+        default=False,
+        exclude_if=lambda is_frame: not is_frame,
+        description="the common frame of the members of a grid: drawn like a thing, but no object",
+    )
 
 
 class PlanRelation(_Model):
@@ -203,6 +208,16 @@ class PlanCombination(_Model):
     reach: PlanReach | None = None
     materials: tuple[str, ...] = Field(default=(), description="ids of the paired materials that fit its assets")
     lighting: tuple[str, ...] = Field(default=(), description="ids of the lightings valid with it")
+
+    @property
+    def objects(self) -> tuple[PlanThing, ...]:
+        """The things that are objects: all but the frames of grids."""
+        return tuple(thing for thing in self.things if not thing.is_frame)
+
+    def standing_on(self, thing: PlanThing) -> tuple[str, int]:
+        """Owner and place on which a thing stands: those of its grid for the members of one."""
+        frame = next((other for other in self.things if other.is_frame and other.id == thing.parent), thing)
+        return frame.parent, frame.place
 
 
 class PlanProvenance(_Model):
