@@ -138,7 +138,7 @@ class VariantSpace:
         stacks = (thing for group in names.program.layout.groups for thing in names.stacked(group)[:-1])
         stacked = (nodes[names.node_of[thing]].object for thing in stacks)
         kept_clear = (names.object_of(rule.object) for rule in names.program.keep_clear)
-        return frozenset((*carriers, *turned, *jointed, *kept_clear, *stacked))
+        return frozenset((*carriers, *turned, *jointed, *kept_clear, *stacked, *names.named_by_parts))
 
     def _settings(self, keys: Collection[str]) -> Iterator[tuple[str, str, Combination]]:
         # Asset variant, background and slot assignments of each choice of the declared variants among `keys`.

@@ -66,6 +66,20 @@ class Names:
             return tuple(t for member in dict.fromkeys(group.members) for t in self.copies.get(member, ()))
         return (name,) if name in self.things else self._lines.get(name, ())
 
+    def part_of(self, name: str) -> tuple[str, str] | None:
+        """Name and part of `mug.handle`, where the first is known and the whole is not; None for other names."""
+        base, dot, part = name.partition(".")
+        if not dot or not part or self.things_named(name) or not self.things_named(base):
+            return None
+        return base, part
+
+    @property
+    def named_by_parts(self) -> frozenset[str]:
+        """Ids of the objects of which a relation names a part."""
+        written = (name for r in self.program.relations for row in r.words for name in r.members(row)[:1])
+        parts = (part for name in written if (part := self.part_of(name)) is not None)
+        return frozenset(self.object_of(thing) for base, _ in parts for thing in self.things_named(base))
+
     @cached_property
     def _lines(self) -> dict[str, tuple[str, ...]]:
         # The things of each row and column of each grid: `rack.front`.

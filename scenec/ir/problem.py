@@ -35,6 +35,7 @@ class Body:
     inline: object | None = None  # the primitive as written, for the emitter
     candidates: tuple[Body, ...] = ()
     joints: tuple[tuple[str, float], ...] = ()
+    parts: tuple[tuple[str, tuple[float, float]], ...] = ()  # names, each with its middle (x, y) in P
 
 
 def level_share(place: ScenePlace) -> float:

@@ -20,4 +20,16 @@ SCENE_GROUP_CODES: dict[str, CodeInfo] = {
         "cells stay empty.",
         "name as many members as rows times columns, or a single one",
     ),
+    "scene/unknown-part": CodeInfo(
+        "error",
+        "An asset has no part or affordance of that name",
+        "The direction in which a part lies comes from the record of the asset; without the part there is none.",
+        "take one of the parts listed; `mana assets show ID` shows them, and inline assets have none",
+    ),
+    "scene/part-without-direction": CodeInfo(
+        "error",
+        "A part lies in no direction from the origin of its object",
+        "A direction in the plane is defined for a part beside the origin of an object that stands upright.",
+        "name a part that lies to one side, or turn the front: `facing: [a, b]`",
+    ),
 }

@@ -124,6 +124,8 @@ BOUND: dict[str, Text] = {
     ),
     "scene/leaning-anchor": jointed("chest", "{lid: 1.0}", ON_LID),
     "scene/no-swept-volume": jointed("chest", "{}") + "keep_clear: [{object: a, joint: lid}]\n",
+    "scene/unknown-part": SOUND + "relations: [{facing: [a.handle, b]}]\n",
+    "scene/part-without-direction": pool("mug") + "relations: [{facing: [a.lid, b]}]\n",
     "scene/stack-unsteady": GROUPED
     + "    pile: {type: stack, members: [a, b, c], surface: tabletop, alignment: 0.03}\n",
     "scene/union-footprints": pool(*CUBES, of="b", text=pool(*CUBES)),
