@@ -1,7 +1,8 @@
 """Draw scenes from the tables of a plan, many at once, as arrays (m, rad). Needs numpy and `schemas` alone.
 
 A sample's numbers depend on seed and index alone (`runtime_plan.counter_rng`), in this order: combination, case of
-each pool, body of each thing, yaw, x and y of each thing, a material of each group, lighting and its channels.
+each pool, body of each thing, yaw, x and y of each thing, a material of each group, lighting and its channels, number
+of the distractors that are present and the first of them.
 """
 
 from __future__ import annotations
@@ -105,6 +106,7 @@ def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index
         samples.quat_wxyz[at, columns, axis] = values
     samples.background[rows] = tables.background_body
     _materials_and_lighting(backend, samples, rows, at, columns, plan, tables, u)
+    _leave_out(backend, samples, rows, plan.layout, tables, u)
 
 
 def _pick(backend: Backend, values: Array, index: Array) -> Array:
@@ -264,3 +266,27 @@ def _materials_and_lighting(
         drawn = u[:, plan.layout.lighting + 1 : plan.layout.lighting + 5]
         samples.lighting[rows] = lighting
         samples.channels[rows] = bounds[..., 0] + drawn * (bounds[..., 1] - bounds[..., 0])
+
+
+def _leave_out(
+    backend: Backend, samples: Samples, rows: Any, layout: DrawLayout, tables: CombinationTables, u: Array
+) -> None:
+    """Take out the distractors of `rows` beyond the number drawn: those that follow on the first one, in a circle."""
+    for k, optional in enumerate(tables.optional):
+        count, drawn = len(optional.columns), u[:, layout.optional + 2 * k : layout.optional + 2 * k + 2]
+        present = optional.least + backend.floor_to_int(drawn[:, :1] * (optional.most - optional.least + 1))
+        first = backend.floor_to_int(drawn[:, 1:] * count)
+        absent = (optional.numbers[None, :] + first) % count >= present
+        for array, value in _absent_values(samples):
+            part = array[rows][:, optional.columns]
+            part[absent] = value
+            at: Any = (rows, optional.columns) if isinstance(rows, slice) else (rows[:, None], optional.columns)
+            array[at] = part
+
+
+def _absent_values(samples: Samples) -> tuple[tuple[Array, float | int | bool], ...]:
+    return (
+        (samples.present, False), (samples.asset_index, -1), (samples.stance, 0), (samples.support, ABSENT),
+        (samples.position_m, np.nan), (samples.quat_wxyz, np.nan), (samples.yaw_rad, np.nan),
+        (samples.material, AUTHORED),
+    )  # fmt: skip

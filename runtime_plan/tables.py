@@ -56,6 +56,16 @@ class MaterialGroup:
 
 
 @dataclass(frozen=True)
+class OptionalObjects:
+    """Objects of which `least` to `most` are present: their columns in the samples, and their numbers 0 to n - 1."""
+
+    columns: IntArray
+    numbers: IntArray
+    least: int
+    most: int
+
+
+@dataclass(frozen=True)
 class Pool:
     """Cumulative shares of the cases of a pool, the last exactly 1 (None: equal shares), and their number."""
 
@@ -100,6 +110,7 @@ class CombinationTables:
     one_thing_per_pool: bool  # whether pool p is thing p alone
     groups: tuple[MaterialGroup, ...]
     lighting: IntArray  # indices into the plan's
+    optional: tuple[OptionalObjects, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -113,6 +124,7 @@ class DrawLayout:
     ys: int
     materials: int
     lighting: int
+    optional: int
     blocks: int
 
 
@@ -161,7 +173,9 @@ def _layout(combinations: Sequence[CombinationTables]) -> DrawLayout:
     yaws = bodies + (most_things if several else 0)
     xs, ys, materials = yaws + most_things, yaws + 2 * most_things, yaws + 3 * most_things
     lighting = materials + max(len(combination.groups) for combination in combinations)
-    return DrawLayout(cases, bodies, yaws, xs, ys, materials, lighting, -(-(lighting + 5) // 4))
+    optional = lighting + 5
+    words = optional + 2 * max(len(combination.optional) for combination in combinations)
+    return DrawLayout(cases, bodies, yaws, xs, ys, materials, lighting, optional, -(-words // 4))
 
 
 def _body_stances(plan: RuntimePlan) -> BodyStances:
@@ -262,6 +276,15 @@ def _combination_tables(
         == tuple((thing.id,) for thing in combination.things),
         groups=_groups(plan, combination, {thing.id: k for k, thing in enumerate(combination.objects)}),
         lighting=np.array([_index(plan.lighting, name) for name in combination.lighting], dtype=np.int64),
+        optional=tuple(
+            OptionalObjects(
+                np.array([column[name] for name in entry.things], dtype=np.int64),
+                np.arange(len(entry.things)),
+                entry.least,
+                entry.most,
+            )
+            for entry in combination.distractors
+        ),
     )
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -14,7 +15,7 @@ from scene_check.batch import BatchPoses, SceneRules
 from scene_check.check_batch import check_batch
 from scene_check.from_plan import scene_rules
 from scene_check.model import TOLERANCE_M
-from schemas.scene.runtime_plan import PlanCombination, RuntimePlan
+from schemas.scene.runtime_plan import PlanCombination, PlanThing, RuntimePlan
 
 Row = dict[str, Any]  # index, kind, things, value, bound, unit, label
 
@@ -49,7 +50,27 @@ class Judge:
             is_complete[np.searchsorted(rows, k)] = False
             yield k, {"kind": text, "things": names, "value": 0.0, "bound": 0.0, "unit": "", "label": ""}
         complete_rows = rows[is_complete]
-        poses = batch_poses(self._plan, combination, rules, samples, complete_rows, columns)
+        if not combination.distractors:
+            yield from self._judged(combination.objects, rules, samples, complete_rows)
+            return
+        present = samples.present[complete_rows][:, columns]
+        patterns, pattern_of = np.unique(present, axis=0, return_inverse=True)
+        for k, pattern in enumerate(patterns):
+            there = [thing for thing, is_there in zip(combination.objects, pattern, strict=True) if is_there]
+            some = {thing.id for thing in there}
+            yield from self._judged(
+                there,
+                replace(rules, things=tuple(thing for thing in rules.things if thing.name in some)),
+                samples,
+                complete_rows[pattern_of.reshape(-1) == k],
+            )
+
+    def _judged(
+        self, things: Sequence[PlanThing], rules: SceneRules, samples: Samples, complete_rows: np.ndarray
+    ) -> Iterator[tuple[int, Row]]:
+        """Violations of `complete_rows`, in all of which these things are present."""
+        columns = [self._names.index(thing.id) for thing in things]
+        poses = batch_poses(self._plan, things, rules, samples, complete_rows, columns)
         for number, violations in check_batch(rules, poses):
             for violation in violations:
                 yield (
@@ -70,8 +91,14 @@ def _incomplete(
 ) -> Iterator[tuple[int, str, list[str]]]:
     """Samples without a thing of their combination, with another one, or with another owner than the plan's."""
     expected = np.isin(np.arange(len(names)), columns)
-    present = samples.present[rows]
-    for k, column in np.argwhere(present != expected).tolist():
+    present, wrong = samples.present[rows], samples.present[rows] != expected
+    for entry in combination.distractors:
+        optional = [names.index(name) for name in entry.things]
+        count = present[:, optional].sum(axis=1)
+        for k in np.flatnonzero((count < entry.least) | (count > entry.most)).tolist():
+            yield int(rows[k]), "count", list(entry.things)
+        wrong[:, optional] = False
+    for k, column in np.argwhere(wrong).tolist():
         yield int(rows[k]), "extra" if present[k, column] else "missing", [names[column]]
     for thing, column in zip(combination.objects, columns, strict=True):
         parent, _ = combination.standing_on(thing)
@@ -83,7 +110,7 @@ def _incomplete(
 
 def batch_poses(
     plan: RuntimePlan,
-    combination: PlanCombination,
+    things: Sequence[PlanThing],
     rules: SceneRules,
     samples: Samples,
     rows: np.ndarray,
@@ -93,7 +120,7 @@ def batch_poses(
     shape = (len(rows), len(columns))
     body_stance, known = np.zeros(shape, dtype=np.int64), np.zeros(shape, dtype=bool)
     yaw = np.zeros(shape)
-    for i, (thing, column) in enumerate(zip(combination.objects, columns, strict=True)):
+    for i, (thing, column) in enumerate(zip(things, columns, strict=True)):
         body = np.repeat(thing.bodies, [len(plan.bodies[b].stances) for b in thing.bodies])
         stances = np.concatenate([np.arange(len(plan.bodies[b].stances)) for b in thing.bodies])
         quats = np.array([stance.quat_wxyz for b in thing.bodies for stance in plan.bodies[b].stances])

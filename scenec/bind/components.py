@@ -172,7 +172,7 @@ def _limited(component_things: Sequence[tuple[str, ...]], variants: VariantSpace
     many = [(things, variants.count(_keys(variants, things))) for things in component_things]
     many = [(things, count) for things, count in many if count > MAX_COMBINATIONS]
     reached = {key for things, _ in many for key in _keys(variants, things)}
-    variants.united = frozenset(name for name in variants.as_authored if f"objects.{name}" in reached) - separate
+    variants.united |= frozenset(name for name in variants.as_authored if f"objects.{name}" in reached) - separate
     for things, count in many:
         left = variants.count(_keys(variants, things))
         at = spans.place(("layout", "nodes", min(_nodes(variants.names, things), key=[*layout.nodes].index)))

@@ -48,7 +48,7 @@ class VariantSpace:
         for variant in variants.slots:
             self.slots[variant.group][variant.id] = variant.assign
         self.as_authored = {thing.id: single_assets(thing.asset) for thing in program.objects}
-        self.united: frozenset[str] = frozenset()
+        self.united = frozenset(entry.id for entry in program.distractors)
 
     @property
     def is_open(self) -> bool:

@@ -24,7 +24,7 @@ from schemas.scene.plan_geometry import (
     written_thing,
 )
 from schemas.scene.program import PairedMaterial, SceneProgram
-from schemas.scene.runtime_plan import PlanBody, PlanCombination, PlanPool, PlanProvenance, RuntimePlan
+from schemas.scene.runtime_plan import PlanBody, PlanCombination, PlanDistractors, PlanPool, PlanProvenance, RuntimePlan
 
 _MARK = "\x01"  # occurs in no name
 
@@ -99,7 +99,7 @@ def plan_text(plan: RuntimePlan) -> str:
 def _combination(
     program: SceneProgram, base: SolverModel, pools: tuple[PlanPool, ...], bodies: PlanBodies
 ) -> PlanCombination:
-    problem = base.problem
+    problem, names = base.problem, Names(program)
     places = _places(problem, base)
     number = {key: k for k, key in enumerate(places)}
     things = [base.things[name] for name in owner_first(base.things)]
@@ -125,6 +125,10 @@ def _combination(
         keep_outs=tuple(written_keep_out(rule, number[rule.parent, rule.place.name]) for rule in problem.keep_outs),
         keep_clear=tuple(map(written_keep_clear, problem.keep_clear)),
         stacks=problem.stacks,
+        distractors=tuple(
+            PlanDistractors(things=names.copies[entry.id], least=entry.count[0], most=entry.count[1])
+            for entry in program.distractors
+        ),
         reach=None if problem.reach is None else written_reach(problem.reach),
         materials=tuple(material.id for material in program.variants.materials),
         lighting=tuple(lighting.id for lighting in program.variants.lighting),

@@ -32,4 +32,17 @@ SCENE_GROUP_CODES: dict[str, CodeInfo] = {
         "A direction in the plane is defined for a part beside the origin of an object that stands upright.",
         "name a part that lies to one side, or turn the front: `facing: [a, b]`",
     ),
+    "scene/distractor-overlap": CodeInfo(
+        "error",
+        "A distractor is an asset of the task or of the evaluation",
+        "A policy that meets the objects of the task, or those held out, as background clutter is measured on what it "
+        "has seen.",
+        "take the asset out of the pool, or out of the task or the split",
+    ),
+    "scene/distractor-named": CodeInfo(
+        "error",
+        "A distractor is named where an object must be there",
+        "Each draw leaves out some distractors: a relation or an anchor with one of them would have no meaning there.",
+        "declare the object under `objects`, with a node of its own",
+    ),
 }

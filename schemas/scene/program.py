@@ -318,6 +318,16 @@ class KeepClearRule(Written):
     joint: str
 
 
+class Distractors(Written):
+    """Objects beside the task: between the two numbers of `count` of them in each draw, each any asset of the pool."""
+
+    id: str
+    pool: tuple[str, ...] = Field(min_length=1, description="ids of assets that the task does not use")
+    count: tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=1)]] = Field(description="least and most")
+    surface: str
+    ranges: Ranges = Ranges()
+
+
 class Reach(Written):
     """What a robot reaches: a ring around its base in the world, in which the origins of `members` must lie."""
 
@@ -407,6 +417,7 @@ class SceneProgram(Written):
     clearance: Distance = 0.01
     keep_outs: tuple[KeepOut, ...] = ()
     keep_clear: tuple[KeepClearRule, ...] = Field(default=(), exclude_if=lambda rules: not rules)
+    distractors: tuple[Distractors, ...] = Field(default=(), exclude_if=lambda rules: not rules)
     reach: Reach | None = None
     variants: Variants = Variants()
     split: Split = Split()

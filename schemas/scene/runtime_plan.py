@@ -155,6 +155,14 @@ class PlanKeepClear(_Model):
     layers: tuple[PlanLayer, ...]
 
 
+class PlanDistractors(_Model):
+    """Things of which `least` to `most` are present in a sample, the number drawn uniformly."""
+
+    things: tuple[str, ...]
+    least: int
+    most: int
+
+
 class PlanReach(_Model):
     """Origins of `members` lie between two distances of `base_m` (W), seen from above."""
 
@@ -205,6 +213,7 @@ class PlanCombination(_Model):
         exclude_if=lambda stacks: not stacks,
         description="things that stand on one another, the lowest first",
     )
+    distractors: tuple[PlanDistractors, ...] = Field(default=(), exclude_if=lambda rules: not rules)
     reach: PlanReach | None = None
     materials: tuple[str, ...] = Field(default=(), description="ids of the paired materials that fit its assets")
     lighting: tuple[str, ...] = Field(default=(), description="ids of the lightings valid with it")

@@ -95,6 +95,10 @@ SAMPLES: dict[str, Text] = {
     "scene/relation-words": SOUND + "relations: [{left_of: [a, b], behind: [a, b]}]\n",
     "scene/relation-self": SOUND + "relations: [{left_of: [a, a]}]\n",
     "scene/option-without-effect": SOUND + "relations: [{left_of: [a, b], distance: 0.1}]\n",
+    "scene/distractor-overlap": SOUND
+    + "distractors: [{id: d, pool: [cube], count: [0, 2], surface: tabletop}]\nsplit: {eval: [cube]}\n",
+    "scene/distractor-named": SOUND
+    + "distractors: [{id: d, pool: [cube], count: [0, 2], surface: tabletop}]\nrelations: [{left_of: [a, d]}]\n",
     "scene/grid-size": GROUPED
     + "    rack: {type: grid, members: [a, b, c], surface: tabletop, rows: 2, columns: 2, pitch: [0.2, 0.2]}\n",
     "scene/too-many": GROUPED + "    many: {type: scatter, members: [a, b, c], surface: tabletop, count: 1000000000}\n",
