@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from runtime_plan.cameras import draw_cameras
 from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
 from runtime_plan.tables import ABSENT, AUTHORED, BACKGROUND_COLUMN
@@ -57,6 +58,7 @@ def _documents(plan: Plan, samples: Samples) -> Iterator[SceneSample]:
             case=tuple(samples.case[k, :pools].tolist()),
             objects=objects,
             lighting=sampled_lighting(plan, samples, k),
+            cameras=draw_cameras(plan, samples, k),
             background=None if background < 0 else bodies[background].asset_id,
             background_material=material(int(samples.background_material[k])),
         )

@@ -63,6 +63,7 @@ def runtime_plan(
         combinations=tuple(combinations),
         materials=_materials(program),
         lighting=program.variants.lighting,
+        cameras=program.cameras,
         split={"train": program.split.train, "eval": program.split.eval}
         if program.split.train or program.split.eval
         else {},

@@ -9,6 +9,7 @@ import shapely
 from scenec.ir.names import MAX_THINGS, Names
 from scenec.ir.problem import Path
 from scenec.ir.single_assets import single_assets
+from scenec.source.check_cameras import check_cameras
 from scenec.source.check_colours import check_colours
 from scenec.source.check_groups import check_groups
 from scenec.source.check_ownership import check_ownership
@@ -50,6 +51,7 @@ def check_program(program: SceneProgram, spans: Spans) -> tuple[Diagnostic, ...]
         *check_pairs(program, spans),
         *check_units(program, spans),
         *check_groups(program, spans),
+        *check_cameras(names, spans),
         *check_ownership(names, spans),
         *check_relations(names, spans),
     )

@@ -105,5 +105,11 @@ def _references(program: SceneProgram) -> Iterator[tuple[Path, str]]:
         yield from ((("layout", "groups", name, "members", k), member) for k, member in enumerate(group.members))
     for i, rule in enumerate(program.keep_clear):
         yield ("keep_clear", i, "object"), rule.object
+    for i, camera in enumerate(program.cameras):
+        if camera.relative_to is not None:
+            yield ("cameras", i, "relative_to"), camera.relative_to
+        if isinstance(camera.look_at, str):
+            yield ("cameras", i, "look_at"), camera.look_at
+        yield from ((("cameras", i, "visible", k, "object"), rule.object) for k, rule in enumerate(camera.visible))
     if program.reach is not None and program.reach.members != "all":
         yield from ((("reach", "members", k), name) for k, name in enumerate(program.reach.members))

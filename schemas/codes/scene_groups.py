@@ -45,4 +45,11 @@ SCENE_GROUP_CODES: dict[str, CodeInfo] = {
         "Each draw leaves out some distractors: a relation or an anchor with one of them would have no meaning there.",
         "declare the object under `objects`, with a node of its own",
     ),
+    "scene/no-view": CodeInfo(
+        "error",
+        "No drawn camera shows what it must in the compiled scene",
+        "Cameras are drawn within their ranges until each object is seen with the pixels demanded. Where no try does, "
+        "plans would have no view either; this is no proof that there is none.",
+        "widen the ranges, look at the object, ask for fewer pixels, or move what stands before it",
+    ),
 }

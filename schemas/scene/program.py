@@ -10,6 +10,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
+from schemas.scene.cameras import Camera
 from schemas.scene.relations import Relation
 from schemas.scene.written import Distance, Length, Range, Written
 
@@ -419,5 +420,6 @@ class SceneProgram(Written):
     keep_clear: tuple[KeepClearRule, ...] = Field(default=(), exclude_if=lambda rules: not rules)
     distractors: tuple[Distractors, ...] = Field(default=(), exclude_if=lambda rules: not rules)
     reach: Reach | None = None
+    cameras: tuple[Camera, ...] = Field(default=(), exclude_if=lambda cameras: not cameras)
     variants: Variants = Variants()
     split: Split = Split()

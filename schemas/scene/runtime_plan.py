@@ -17,6 +17,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.scene.cameras import Camera
 from schemas.scene.compiled import Point2, Point3, Quat_wxyz
 from schemas.scene.geometry import Prism
 from schemas.scene.program import Inline, Lighting, PairedMaterial
@@ -250,5 +251,6 @@ class RuntimePlan(_Model):
     combinations: tuple[PlanCombination, ...]
     materials: tuple[PairedMaterial, ...] = ()
     lighting: tuple[Lighting, ...] = ()
+    cameras: tuple[Camera, ...] = Field(default=(), exclude_if=lambda cameras: not cameras)
     split: dict[str, tuple[str, ...]] = Field(default={}, description="asset ids for train and eval; empty: all")
     provenance: PlanProvenance

@@ -1,4 +1,4 @@
-"""Distractors: number and assets vary over draws, absent ones are in no file, the task and the evaluation share none."""
+"""Distractors: number and assets vary over draws, files lack absent ones, the task and the evaluation share none."""
 
 from __future__ import annotations
 

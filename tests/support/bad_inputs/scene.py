@@ -146,6 +146,9 @@ VERDICTS: dict[str, Text] = {
     # b is to turn its front to a, which is behind it, and may not turn.
     "scene/infeasible": placed(a="{x: [-0.3, -0.2], yaw: [0, 0]}", b="{x: [0.2, 0.3], yaw: [0, 0]}")
     + "relations: [{facing: [b, a]}]\n",
+    "scene/no-view": SOUND
+    + "cameras: [{id: c, position: {x: [2, 2], y: [0, 0], z: [1, 1]}, look_at: [4, 0, 1], fov_deg: [50, 50],\n"
+    + "  size: [64, 48], visible: [{object: a, pixels: 5}]}]\n",
     # Three of 10 cm in a row of 30 cm with 1 cm between them: a little too tight, which no argument shows so far.
     "scene/budget-exhausted": placed(a=STRIP, b=STRIP, c=STRIP),
 }
