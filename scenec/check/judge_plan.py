@@ -27,18 +27,21 @@ def judge(plan: RuntimePlan) -> None:
         count = EACH * max((len(pool.cases) for pool in combination.pools), default=0)
         for begin in range(0, count, JUDGED_AT_ONCE):
             scenes = np.arange(begin, min(begin + JUDGED_AT_ONCE, count))
-            for k, violations in check_batch(rules, extremes(rules, combination, forms, scenes)):
+            for k, violations in check_batch(rules, extremes(rules, combination, scenes, forms)):
                 cases = {pool.things[0]: int(scenes[k]) % len(pool.cases) for pool in combination.pools}
                 raise RuntimeError(f"{plan.scene}: the checker refuses cases {cases}: {violations[0]}")
 
 
-def extremes(rules: SceneRules, combination: PlanCombination, forms: Forms, scenes: np.ndarray) -> BatchPoses:
+def extremes(
+    rules: SceneRules, combination: PlanCombination, scenes: np.ndarray, forms: Forms | None = None
+) -> BatchPoses:
     """The given scenes (n,) by number: each case in turn, its things at ends of yaw intervals and corners of cells."""
     count, names = len(scenes), [thing.id for thing in combination.things]
     origin, yaw = np.zeros((count, len(names), 3)), np.zeros((count, len(names)))
     form = np.zeros((count, len(names)), dtype=np.int64)
     home = {name: (pool, k) for pool in combination.pools for k, name in enumerate(pool.things)}
     number = {name: i for i, name in enumerate(names)}
+    forms = forms or {thing.name: thing.forms for thing in rules.things}
     for i, thing in enumerate(combination.things):
         at, turn, form[:, i] = _in_place(forms[thing.id], *home[thing.id], scenes, i)
         at += np.array(combination.places[thing.place][1].origin_m)

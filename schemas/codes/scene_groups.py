@@ -52,4 +52,16 @@ SCENE_GROUP_CODES: dict[str, CodeInfo] = {
         "plans would have no view either; this is no proof that there is none.",
         "widen the ranges, look at the object, ask for fewer pixels, or move what stands before it",
     ),
+    "scene/robot-reach": CodeInfo(
+        "error",
+        "The reach of a named robot is not computed",
+        "A robot reaches what its inverse kinematics reaches without a collision; the language has a ring about a base.",
+        "write the ring: `reach: {base, radius, min_radius, members}`",
+    ),
+    "scene/joint-state-range": CodeInfo(
+        "error",
+        "A joint has a range of states",
+        "Footprint, surfaces and insides are those of one state of the joints; over a range they would all move.",
+        "write one state, and one program or background of `variants` for each further one",
+    ),
 }

@@ -13,7 +13,9 @@ from runtime_plan.camera_rays import visible_pixels
 from runtime_plan.cameras import bodies_of, draw_cameras
 from runtime_plan.plan import Plan, prepare
 from scene_check.views import pixels_by_object
+from scenec.check.judge_views import plan_without_view
 from scenec.compile import Compiled, compile_program
+from scenec.source.tree import Spans
 from schemas.diagnostics import InvalidInput
 
 PROGRAM = (Path(__file__).parents[1] / "data" / "scenes" / "cameras.yaml").read_text()
@@ -96,13 +98,22 @@ def test_a_scene_without_view_is_named(plan: Plan):
     assert refused.value.diagnostic.code == "plan/no-view"
 
 
-def test_the_compiler_refuses_a_plan_in_which_some_scenes_have_no_view(tmp_path: Path):
-    text = PROGRAM.replace("relations:\n  - {behind: [carton, cup], gap: 0.02}\n", "")
-    assert compiled_from(tmp_path, text).report.verdict == "compiled"  # its own scene has a view
-    report = compiled_from(tmp_path, text, diversity=0.1).report
+def test_the_compiler_names_the_share_of_scenes_without_a_view(plan: Plan):
+    (rule,) = plan.document.cameras[1].visible
+    camera = plan.document.cameras[1].model_copy(update={"visible": (rule.model_copy(update={"pixels": 15_000}),)})
+    document = plan.document.model_copy(update={"cameras": (plan.document.cameras[0], camera)})
+    (diagnostic,) = plan_without_view(document, 0, Spans())
+    blocked = int(diagnostic.headline.split()[1])
+    assert diagnostic.code == "scene/no-view"
+    assert blocked == 64
+    assert list(plan_without_view(plan.document, 0, Spans())) == []
+
+
+def test_a_program_without_a_view_is_refused(tmp_path: Path):
+    report = compiled_from(tmp_path, PROGRAM.replace("pixels: 400", "pixels: 19000")).report
     assert report.verdict == "invalid_program"
-    assert {d.code for d in report.diagnostics} == {"scene/no-view"}
-    assert "of 64 scenes drawn from the plan none of 256 cameras" in report.diagnostics[0].headline
+    assert [d.code for d in report.diagnostics] == ["scene/no-view"]
+    assert report.diagnostics[0].where.line is not None
 
 
 @pytest.mark.parametrize(

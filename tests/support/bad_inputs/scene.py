@@ -99,6 +99,8 @@ SAMPLES: dict[str, Text] = {
     + "distractors: [{id: d, pool: [cube], count: [0, 2], surface: tabletop}]\nsplit: {eval: [cube]}\n",
     "scene/distractor-named": SOUND
     + "distractors: [{id: d, pool: [cube], count: [0, 2], surface: tabletop}]\nrelations: [{left_of: [a, d]}]\n",
+    "scene/robot-reach": SOUND + "reach: {base: [0, 0, 0], radius: 0.8, robot: panda}\n",
+    "scene/joint-state-range": jointed("drawer_unit", "{drawer_1: [0.1, 0.2]}"),
     "scene/grid-size": GROUPED
     + "    rack: {type: grid, members: [a, b, c], surface: tabletop, rows: 2, columns: 2, pitch: [0.2, 0.2]}\n",
     "scene/too-many": GROUPED + "    many: {type: scatter, members: [a, b, c], surface: tabletop, count: 1000000000}\n",
