@@ -45,6 +45,9 @@ class Layers:
             edits.append(
                 self._edit(samples.names[column], body, int(samples.material[k, column]), (x, y, z), (w, qx, qy, qz))
             )
+        there = set(np.array(samples.names)[samples.present[k]].tolist())
+        named = {thing.id for thing in self._plan.document.combinations[int(samples.combination[k])].objects}
+        edits += [SampleEdit(name, is_absent=True) for name in sorted(named - there)]
         if samples.background[k] >= 0 and samples.background_material[k] >= 0:
             edits.append(self._edit(BACKGROUND, int(samples.background[k]), int(samples.background_material[k])))
         lighting = sampled_lighting(self._plan, samples, k)

@@ -55,7 +55,7 @@ SCENE_GROUP_CODES: dict[str, CodeInfo] = {
     "scene/robot-reach": CodeInfo(
         "error",
         "The reach of a named robot is not computed",
-        "A robot reaches what its inverse kinematics reaches without a collision; the language has a ring about a base.",
+        "A robot reaches what its inverse kinematics reaches without a collision; the language has a ring about it.",
         "write the ring: `reach: {base, radius, min_radius, members}`",
     ),
     "scene/joint-state-range": CodeInfo(

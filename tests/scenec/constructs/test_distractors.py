@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from runtime_plan import Restriction, restrict
+from cli.main import app
+from runtime_plan import Restriction, load, restrict
 from runtime_plan.plan import Plan, prepare
 from runtime_plan.sampler import sample
 from runtime_plan.samples_file import as_document
 from runtime_plan.verify import Judge
 from scenec.compile import Compiled, compile_program
 from tests.support.scene import library as scene_library
+from usdio.reread.scene import reread_scene
 
 PROGRAM = (Path(__file__).parents[2] / "data" / "scenes" / "distractors.yaml").read_text()
 CLUTTER = ["clutter-1", "clutter-2", "clutter-3"]
@@ -105,3 +109,19 @@ def test_distractors_are_checked_where_they_are_written(
     assert {d.code for d in diagnostics} <= set(codes)
     assert diagnostics[0].code == codes[0]
     assert diagnostics[0].where.line in (12, 14)
+
+
+def test_a_stage_of_a_draw_lacks_the_absent_ones(packages: Path, tmp_path: Path):
+    (tmp_path / "program.yaml").write_text(PROGRAM)
+    out = tmp_path / "out"
+    options = ["--assets", str(packages), "--out", str(out), "--no-settle", "--no-pictures"]
+    run = CliRunner().invoke(app, ["scene", "compile", str(tmp_path / "program.yaml"), *options])
+    assert run.exit_code == 0, run.output
+    run = CliRunner().invoke(app, ["plan", "realise", str(out / "plan.json"), "--n", "6", "--json"])
+    assert run.exit_code == 0, run.output
+    files = [Path(name) for name in json.loads(run.stdout)["files"]]
+    samples = sample(load(out / "plan.json"), 6, 0)
+    assert not samples.present.all()
+    for k, file in enumerate(files):
+        there = {name for name, is_there in zip(samples.names, samples.present[k], strict=True) if is_there}
+        assert {body.name for body in reread_scene(file)} - {"background"} == there
