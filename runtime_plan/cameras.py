@@ -115,6 +115,7 @@ def _bodies(plan: Plan, samples: Samples, k: int) -> Iterator[tuple[str, SceneBo
     combination = document.combinations[int(samples.combination[k])]
     if combination.background is not None:
         X_WB = np.array(combination.X_WB)
+        X_WB[2, 3] += samples.rise_m[k]
         yaw = float(np.arctan2(X_WB[1, 0], X_WB[0, 0]))
         stance = document.bodies[combination.background].stances[0]
         yield BACKGROUND, _placed(stance.prisms, stance.origin_height_m, X_WB[:3, 3], yaw)

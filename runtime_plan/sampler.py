@@ -2,7 +2,7 @@
 
 A sample's numbers depend on seed and index alone (`runtime_plan.counter_rng`), in this order: combination, case of
 each pool, body of each thing, yaw, x and y of each thing, a material of each group, lighting and its channels, number
-of the distractors that are present and the first of them.
+of the distractors that are present and the first of them, height of the background.
 """
 
 from __future__ import annotations
@@ -58,6 +58,7 @@ def _empty(backend: Backend, tables: PlanTables, n: int, seed: int, start: int) 
         background=full((n,), -1),
         lighting=full((n,), -1),
         channels=full((n, 4), np.nan),
+        rise_m=full((n,), 0.0),
     )
 
 
@@ -90,6 +91,10 @@ def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index
     x, y = _origin(backend, tables, table_rows, body_stance, c, s, u[:, layout.xs :], u[:, layout.ys :])
     z = _pick(backend, tables.height_m, table_rows) + _pick(backend, body_stances.origin_height_m, body_stance)
     _to_world(tables, x, y, z, c, s)
+    if tables.rise_m > 0.0:
+        rise = u[:, layout.rise] * tables.rise_m
+        samples.rise_m[rows] = rise
+        z = z + rise[:, None]
     quat_wxyz = _quaternion(backend, body_stances, body_stance, c, s)
     if tables.shown is not None:
         bodies, stance, yaw, x, y, z = (part[..., tables.shown] for part in (bodies, stance, yaw, x, y, z))

@@ -59,6 +59,7 @@ def _documents(plan: Plan, samples: Samples) -> Iterator[SceneSample]:
             objects=objects,
             lighting=sampled_lighting(plan, samples, k),
             cameras=draw_cameras(plan, samples, k),
+            rise_m=float(samples.rise_m[k]),
             background=None if background < 0 else bodies[background].asset_id,
             background_material=material(int(samples.background_material[k])),
         )
@@ -148,6 +149,7 @@ def _arrays(plan: Plan, document: SceneSamples) -> Samples:
         background=np.full(n, -1),
         lighting=np.full(n, -1),
         channels=np.full((n, 4), np.nan),
+        rise_m=np.array([sample.rise_m for sample in document.samples]),
     )
     for k, sample in enumerate(document.samples):
         combination = drawn_plan.combinations[sample.combination]

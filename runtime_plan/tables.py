@@ -111,6 +111,7 @@ class CombinationTables:
     groups: tuple[MaterialGroup, ...]
     lighting: IntArray  # indices into the plan's
     optional: tuple[OptionalObjects, ...] = ()
+    rise_m: float = 0.0  # of the background and all that stands on it, at most
 
 
 @dataclass(frozen=True)
@@ -125,6 +126,7 @@ class DrawLayout:
     materials: int
     lighting: int
     optional: int
+    rise: int
     blocks: int
 
 
@@ -174,8 +176,9 @@ def _layout(combinations: Sequence[CombinationTables]) -> DrawLayout:
     xs, ys, materials = yaws + most_things, yaws + 2 * most_things, yaws + 3 * most_things
     lighting = materials + max(len(combination.groups) for combination in combinations)
     optional = lighting + 5
-    words = optional + 2 * max(len(combination.optional) for combination in combinations)
-    return DrawLayout(cases, bodies, yaws, xs, ys, materials, lighting, optional, -(-words // 4))
+    rise = optional + 2 * max(len(combination.optional) for combination in combinations)
+    words = rise + any(combination.rise_m > 0.0 for combination in combinations)
+    return DrawLayout(cases, bodies, yaws, xs, ys, materials, lighting, optional, rise, -(-words // 4))
 
 
 def _body_stances(plan: RuntimePlan) -> BodyStances:
@@ -285,6 +288,7 @@ def _combination_tables(
             )
             for entry in combination.distractors
         ),
+        rise_m=combination.rise_m,
     )
 
 

@@ -35,12 +35,21 @@ class Judge:
 
     def violations(self, samples: Samples, indices: tuple[int, ...] | None = None) -> Iterator[Row]:
         """Every violation of every sample, in order; `indices` of samples that do not follow one another."""
-        numbered_rows: list[tuple[int, Row]] = []
+        numbered_rows = list(self._too_high(samples))
+        raised = samples.rise_m[:, None, None] * np.array([0.0, 0.0, 1.0])
+        samples = replace(samples, position_m=samples.position_m - raised)  # judged where the background is lowest
         for index in np.unique(samples.combination).tolist():
             rows = np.flatnonzero(samples.combination == index)
             numbered_rows += self._of_combination(index, samples, rows)
         for k, row in sorted(numbered_rows, key=lambda item: item[0]):
             yield {"index": indices[k] if indices else samples.start + k, **row}
+
+    def _too_high(self, samples: Samples) -> Iterator[tuple[int, Row]]:
+        """Samples whose background is not within its range of heights."""
+        most = np.array([combination.rise_m for combination in self._plan.combinations])[samples.combination]
+        for k in np.flatnonzero(~((samples.rise_m >= 0.0) & (samples.rise_m <= most + TOLERANCE_M))).tolist():
+            value, bound = float(samples.rise_m[k]), float(most[k])
+            yield k, {"kind": "height", "things": [], "value": value, "bound": bound, "unit": "m", "label": ""}
 
     def _of_combination(self, index: int, samples: Samples, rows: np.ndarray) -> Iterator[tuple[int, Row]]:
         combination, rules = self._plan.combinations[index], self._rules(index)

@@ -97,6 +97,7 @@ class Lowering:
             self._reach(things),
             dict(self.choice.combination),
             self._keep_clear(things),
+            0.0 if background is None or background.height is None else background.height[1] - background.height[0],
             self._stacks(things),
         )
 

@@ -72,4 +72,6 @@ def world_pose_of(background: Background | None) -> FloatArray:
     if background is None:
         return np.eye(4)
     c, s = np.cos(yaw_of(background)), np.sin(yaw_of(background))
-    return pose(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), background.position)
+    x, y, z = background.position
+    least = 0.0 if background.height is None else background.height[0]  # plans raise it from there
+    return pose(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), (x, y, z + least))

@@ -77,6 +77,7 @@ class Problem:
     reach: ReachRing | None = None
     combination: dict[str, str] = field(default_factory=dict)
     keep_clear: tuple[KeepClear, ...] = ()
+    rise_m: float = 0.0  # by how much plans raise the background and all that stands on it, at most
     stacks: tuple[tuple[str, ...], ...] = ()  # names of things that stand on one another, the lowest first
 
     @cached_property

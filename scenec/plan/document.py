@@ -125,6 +125,7 @@ def _combination(
         relations=tuple(map(written_relation, problem.relations)),
         keep_outs=tuple(written_keep_out(rule, number[rule.parent, rule.place.name]) for rule in problem.keep_outs),
         keep_clear=tuple(map(written_keep_clear, problem.keep_clear)),
+        rise_m=rounded_value(max(problem.rise_m, 0.0)),
         stacks=problem.stacks,
         distractors=tuple(
             PlanDistractors(things=names.copies[entry.id], least=entry.count[0], most=entry.count[1])

@@ -11,7 +11,14 @@ from schemas.scene.program import GridGroup, SceneProgram, StackGroup
 
 
 def check_groups(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
-    """Findings about turns that are reversed or more than a whole turn, and about grids whose members do not fit."""
+    """Findings about heights that are reversed, about turns that are reversed or more than a whole turn, and about grids whose members do not fit."""
+    backgrounds = [(("variants", "backgrounds", i, "background"), v.background) for i, v in
+                   enumerate(program.variants.backgrounds)]  # fmt: skip
+    for path, background in [(("background",), program.background), *backgrounds]:
+        if background is not None and background.height is not None and background.height[0] > background.height[1]:
+            at, (low, high) = (*path, "height"), background.height
+            headline = f"`{written(at)}` ends at {high:g} before it begins at {low:g}"
+            yield finding("scene/range-reversed", headline, where=spans.place(at), value=high, bound=low)
     for name, group in program.layout.groups.items():
         path = ("layout", "groups", name)
         if isinstance(group, StackGroup):

@@ -105,6 +105,11 @@ class Background(Written):
     position: Point3 = (0.0, 0.0, 0.0)
     yaw: float | None = None
     yaw_deg: float | None = None
+    height: Range | None = Field(
+        default=None,
+        exclude_if=lambda height: height is None,
+        description="range of the height of its frame over `position`, m: plans draw it, and all on it rises",
+    )
     joints: JointPositions = Field(default={})
 
 

@@ -209,6 +209,11 @@ class PlanCombination(_Model):
     relations: tuple[PlanRelation, ...] = ()
     keep_outs: tuple[PlanKeepOut, ...] = ()
     keep_clear: tuple[PlanKeepClear, ...] = Field(default=(), exclude_if=lambda rules: not rules)
+    rise_m: float = Field(
+        default=0.0,
+        exclude_if=lambda rise: rise == 0.0,
+        description="by how much a sample may raise the background and all that stands on it, m",
+    )
     stacks: tuple[tuple[str, ...], ...] = Field(
         default=(),
         exclude_if=lambda stacks: not stacks,

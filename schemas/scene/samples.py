@@ -43,6 +43,11 @@ class SceneSample(_Model):
     objects: dict[str, SampledObject]
     lighting: SampledLighting | None = None
     cameras: dict[str, CameraPose] = Field(default={}, exclude_if=lambda cameras: not cameras)
+    rise_m: float = Field(
+        default=0.0,
+        exclude_if=lambda rise: rise == 0.0,
+        description="height of the background over its lowest one; positions count it in",
+    )
     background: str | None = None
     background_material: str | None = None
 

@@ -14,7 +14,7 @@ from tests.support.scene.drawn import refused
 
 PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "scene-constructs.md").read_text()
 PROGRAMS = {
-    re.findall(r"^## `?(\w+)", PAGE[: block.start()], re.MULTILINE)[-1] + f"_{k}": block[1]
+    re.findall(r"^## `?([\w.]+)", PAGE[: block.start()], re.MULTILINE)[-1] + f"_{k}": block[1]
     for k, block in enumerate(re.finditer(r"```yaml\n(.*?)```", PAGE, re.DOTALL))
 }
 
@@ -35,5 +35,5 @@ def test_each_program_of_the_page_compiles_and_its_draws_are_valid(name: str, pa
 
 
 def test_every_section_of_the_page_has_a_program():
-    sections = set(re.findall(r"^## `?(\w+)", PAGE, re.MULTILINE))
+    sections = set(re.findall(r"^## `?([\w.]+)", PAGE, re.MULTILINE))
     assert {name.rsplit("_", 1)[0] for name in PROGRAMS} == sections
