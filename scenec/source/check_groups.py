@@ -11,7 +11,7 @@ from schemas.scene.program import GridGroup, SceneProgram, StackGroup
 
 
 def check_groups(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
-    """Findings about heights that are reversed, about turns that are reversed or more than a whole turn, and about grids whose members do not fit."""
+    """Findings about reversed heights, turns that are reversed or more than a whole turn, and cells without members."""
     backgrounds = [(("variants", "backgrounds", i, "background"), v.background) for i, v in
                    enumerate(program.variants.backgrounds)]  # fmt: skip
     for path, background in [(("background",), program.background), *backgrounds]:
