@@ -32,7 +32,7 @@ def slots(plan: Plan) -> tuple[Slot, ...]:
 def _numbered(plan: Plan) -> list[tuple[str, int]]:
     """(thing, number of a body), things in the order of `Samples.names`."""
     names = plan.tables.names
-    found = {(t.id, body) for one in plan.document.combinations for t in one.things for body in t.bodies}
+    found = {(t.id, body) for one in plan.document.combinations for t in one.objects for body in t.bodies}
     return sorted(found, key=lambda slot: (names.index(slot[0]), slot[1]))
 
 

@@ -82,7 +82,8 @@ def _combination(plan: RuntimePlan, combination: PlanCombination) -> Iterator[st
             yield from (f"pools[{number}]: {text}" for text in _pool(plan, pool, things))
     named = {name for relation in combination.relations for name in (*relation.things, relation.frame)}
     named |= set(combination.reach.members if combination.reach else ())
-    named |= {space.owner for space in combination.keep_clear}
+    named |= {space.owner for space in combination.keep_clear} | {n for stack in combination.stacks for n in stack}
+    named |= {name for entry in combination.distractors for name in entry.things}
     yield from (f"there is no thing `{name}`" for name in sorted(named - set(things) - {BACKGROUND}))
     if any(not 0 <= rule.place < len(combination.places) for rule in combination.keep_outs):
         yield "a keep-out has no place"

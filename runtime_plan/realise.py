@@ -37,7 +37,9 @@ class Realiser:
         background = int(samples.background[k])
         if background >= 0:
             combination = self._plan.document.combinations[int(samples.combination[k])]
-            used[BACKGROUND, background] = np.array(combination.X_WB), int(samples.background_material[k]), False
+            X_WB = np.array(combination.X_WB)
+            X_WB[2, 3] += samples.rise_m[k]
+            used[BACKGROUND, background] = X_WB, int(samples.background_material[k]), False
         for column in np.flatnonzero(samples.present[k]).tolist():
             X_WA = pose_from_quat(samples.quat_wxyz[k, column], samples.position_m[k, column])
             slot = samples.names[column], int(samples.asset_index[k, column])

@@ -1,7 +1,8 @@
 """Draw scenes from the tables of a plan, many at once, as arrays (m, rad). Needs numpy and `schemas` alone.
 
 A sample's numbers depend on seed and index alone (`runtime_plan.counter_rng`), in this order: combination, case of
-each pool, body of each thing, yaw, x and y of each thing, a material of each group, lighting and its channels.
+each pool, body of each thing, yaw, x and y of each thing, a material of each group, lighting and its channels, number
+of the distractors that are present and the first of them, height of the background.
 """
 
 from __future__ import annotations
@@ -57,6 +58,7 @@ def _empty(backend: Backend, tables: PlanTables, n: int, seed: int, start: int) 
         background=full((n,), -1),
         lighting=full((n,), -1),
         channels=full((n, 4), np.nan),
+        rise_m=full((n,), 0.0),
     )
 
 
@@ -77,7 +79,7 @@ def _fill(backend: Backend, samples: Samples, chunk: slice, tables: PlanTables, 
 def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index: int, u: Array) -> None:
     """Draw `rows`, all of one combination, into `samples`."""
     tables, layout, body_stances = plan.combinations[index], plan.layout, plan.body_stances
-    things = len(tables.things)
+    things = len(tables.first_row)
     columns = slice(None) if tables.all_things else tables.things
     # Rows x columns of the result.
     at: Array = cast(Array, rows) if isinstance(rows, slice) or tables.all_things else rows[:, None]
@@ -89,6 +91,14 @@ def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index
     x, y = _origin(backend, tables, table_rows, body_stance, c, s, u[:, layout.xs :], u[:, layout.ys :])
     z = _pick(backend, tables.height_m, table_rows) + _pick(backend, body_stances.origin_height_m, body_stance)
     _to_world(tables, x, y, z, c, s)
+    if tables.rise_m > 0.0:
+        rise = u[:, layout.rise] * tables.rise_m
+        samples.rise_m[rows] = rise
+        z = z + rise[:, None]
+    quat_wxyz = _quaternion(backend, body_stances, body_stance, c, s)
+    if tables.shown is not None:
+        bodies, stance, yaw, x, y, z = (part[..., tables.shown] for part in (bodies, stance, yaw, x, y, z))
+        quat_wxyz = tuple(part[..., tables.shown] for part in quat_wxyz)
     samples.case[rows, : len(tables.pools)] = cases
     samples.present[at, columns] = True
     samples.asset_index[at, columns] = bodies
@@ -97,10 +107,11 @@ def _draw(backend: Backend, samples: Samples, rows: Any, plan: PlanTables, index
     samples.yaw_rad[at, columns] = yaw
     for axis, values in enumerate((x, y, z)):
         samples.position_m[at, columns, axis] = values
-    for axis, values in enumerate(_quaternion(backend, body_stances, body_stance, c, s)):
+    for axis, values in enumerate(quat_wxyz):
         samples.quat_wxyz[at, columns, axis] = values
     samples.background[rows] = tables.background_body
     _materials_and_lighting(backend, samples, rows, at, columns, plan, tables, u)
+    _leave_out(backend, samples, rows, plan.layout, tables, u)
 
 
 def _pick(backend: Backend, values: Array, index: Array) -> Array:
@@ -128,7 +139,7 @@ def _bodies_and_stances(
     if tables.bodies.shape[1] == 1:
         bodies = tables.bodies[:, 0]
     else:
-        drawn = backend.floor_to_int(u[:, layout.bodies : layout.bodies + len(tables.things)] * tables.body_count)
+        drawn = backend.floor_to_int(u[:, layout.bodies : layout.bodies + len(tables.first_row)] * tables.body_count)
         bodies = _pick(backend, tables.bodies, drawn + tables.body_row)
     return bodies, stance, _pick(backend, body_stances.start, bodies) + stance
 
@@ -260,3 +271,27 @@ def _materials_and_lighting(
         drawn = u[:, plan.layout.lighting + 1 : plan.layout.lighting + 5]
         samples.lighting[rows] = lighting
         samples.channels[rows] = bounds[..., 0] + drawn * (bounds[..., 1] - bounds[..., 0])
+
+
+def _leave_out(
+    backend: Backend, samples: Samples, rows: Any, layout: DrawLayout, tables: CombinationTables, u: Array
+) -> None:
+    """Take out the distractors of `rows` beyond the number drawn: those that follow on the first one, in a circle."""
+    for k, optional in enumerate(tables.optional):
+        count, drawn = len(optional.columns), u[:, layout.optional + 2 * k : layout.optional + 2 * k + 2]
+        present = optional.least + backend.floor_to_int(drawn[:, :1] * (optional.most - optional.least + 1))
+        first = backend.floor_to_int(drawn[:, 1:] * count)
+        absent = (optional.numbers[None, :] + first) % count >= present
+        for array, value in _absent_values(samples):
+            part = array[rows][:, optional.columns]
+            part[absent] = value
+            at: Any = (rows, optional.columns) if isinstance(rows, slice) else (rows[:, None], optional.columns)
+            array[at] = part
+
+
+def _absent_values(samples: Samples) -> tuple[tuple[Array, float | int | bool], ...]:
+    return (
+        (samples.present, False), (samples.asset_index, -1), (samples.stance, 0), (samples.support, ABSENT),
+        (samples.position_m, np.nan), (samples.quat_wxyz, np.nan), (samples.yaw_rad, np.nan),
+        (samples.material, AUTHORED),
+    )  # fmt: skip

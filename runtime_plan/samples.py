@@ -22,6 +22,7 @@ class Samples:
     background    (n,) into the plan's bodies, -1 for none
     lighting      (n,) into the plan's lighting, -1 for none; `channels` (n, 4) its intensity, exposure, temperature (K)
                   and rotation (rad), NaN where it leaves one alone
+    rise_m        (n,) height of the background over its lowest one; positions count it in
     """
 
     seed: int
@@ -41,6 +42,7 @@ class Samples:
     background: Array
     lighting: Array
     channels: Array
+    rise_m: Array
 
     def __len__(self) -> int:
         return len(self.combination)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from runtime_plan.cameras import draw_cameras
 from runtime_plan.plan import Plan
 from runtime_plan.samples import Samples
 from runtime_plan.tables import ABSENT, AUTHORED, BACKGROUND_COLUMN
@@ -57,6 +58,8 @@ def _documents(plan: Plan, samples: Samples) -> Iterator[SceneSample]:
             case=tuple(samples.case[k, :pools].tolist()),
             objects=objects,
             lighting=sampled_lighting(plan, samples, k),
+            cameras=draw_cameras(plan, samples, k),
+            rise_m=float(samples.rise_m[k]),
             background=None if background < 0 else bodies[background].asset_id,
             background_material=material(int(samples.background_material[k])),
         )
@@ -146,6 +149,7 @@ def _arrays(plan: Plan, document: SceneSamples) -> Samples:
         background=np.full(n, -1),
         lighting=np.full(n, -1),
         channels=np.full((n, 4), np.nan),
+        rise_m=np.array([sample.rise_m for sample in document.samples]),
     )
     for k, sample in enumerate(document.samples):
         combination = drawn_plan.combinations[sample.combination]

@@ -50,9 +50,19 @@ class Level:
 
 @dataclass(frozen=True)
 class MaterialGroup:
-    """Materials of which one is drawn. Row 0 is AUTHORED throughout; columns are the T things, then the background."""
+    """Materials of which one is drawn. Row 0 is AUTHORED throughout; columns are the objects, then the background."""
 
-    material_of: IntArray  # (m + 1, T + 1) index of a material, or AUTHORED
+    material_of: IntArray  # (m + 1, objects + 1) index of a material, or AUTHORED
+
+
+@dataclass(frozen=True)
+class OptionalObjects:
+    """Objects of which `least` to `most` are present: their columns in the samples, and their numbers 0 to n - 1."""
+
+    columns: IntArray
+    numbers: IntArray
+    least: int
+    most: int
 
 
 @dataclass(frozen=True)
@@ -73,7 +83,8 @@ class CombinationTables:
     `place_m` (2, T) the origin of the place there.
     """
 
-    things: IntArray  # (T,) columns in the samples
+    things: IntArray  # columns in the samples of the objects among the things
+    shown: IntArray | None  # which of the T things are objects, None for all: frames of grids are none
     pools: tuple[Pool, ...]
     pool_of: IntArray  # (T,)
     first_row: IntArray  # (T,)
@@ -93,12 +104,14 @@ class CombinationTables:
     outlines: tuple[Outlines, ...]
     levels: tuple[Level, ...]
     background: tuple[float, float, float, float, float]  # x, y, z (m), cosine and sine of half its yaw
-    support: IntArray  # (T,) column of the owner, BACKGROUND for it
+    support: IntArray  # of each object: column of what it stands on, BACKGROUND for it
     background_body: int  # -1 for none
     all_things: bool  # whether its things are the columns of the samples, one by one
     one_thing_per_pool: bool  # whether pool p is thing p alone
     groups: tuple[MaterialGroup, ...]
     lighting: IntArray  # indices into the plan's
+    optional: tuple[OptionalObjects, ...] = ()
+    rise_m: float = 0.0  # of the background and all that stands on it, at most
 
 
 @dataclass(frozen=True)
@@ -112,6 +125,8 @@ class DrawLayout:
     ys: int
     materials: int
     lighting: int
+    optional: int
+    rise: int
     blocks: int
 
 
@@ -129,7 +144,7 @@ class PlanTables:
 
 def tables_of(plan: RuntimePlan) -> PlanTables:
     """The arrays of a consistent plan."""
-    names = tuple(dict.fromkeys(thing.id for combination in plan.combinations for thing in combination.things))
+    names = tuple(dict.fromkeys(thing.id for combination in plan.combinations for thing in combination.objects))
     body_stances = _body_stances(plan)
     combinations = tuple(
         _combination_tables(plan, combination, names, body_stances) for combination in plan.combinations
@@ -153,14 +168,17 @@ def tables_of(plan: RuntimePlan) -> PlanTables:
 
 def _layout(combinations: Sequence[CombinationTables]) -> DrawLayout:
     """The same for all combinations, so that a sample's words depend on seed and index alone."""
-    most_things = max(len(combination.things) for combination in combinations)
+    most_things = max(len(combination.first_row) for combination in combinations)
     several = any((combination.body_count > 1).any() for combination in combinations)
     cases = 1
     bodies = cases + max(len(combination.pools) for combination in combinations)
     yaws = bodies + (most_things if several else 0)
     xs, ys, materials = yaws + most_things, yaws + 2 * most_things, yaws + 3 * most_things
     lighting = materials + max(len(combination.groups) for combination in combinations)
-    return DrawLayout(cases, bodies, yaws, xs, ys, materials, lighting, -(-(lighting + 5) // 4))
+    optional = lighting + 5
+    rise = optional + 2 * max(len(combination.optional) for combination in combinations)
+    words = rise + any(combination.rise_m > 0.0 for combination in combinations)
+    return DrawLayout(cases, bodies, yaws, xs, ys, materials, lighting, optional, rise, -(-words // 4))
 
 
 def _body_stances(plan: RuntimePlan) -> BodyStances:
@@ -227,9 +245,11 @@ def _combination_tables(
         for thing, stances in zip(combination.things, possible, strict=True)
     ]
     fixed = all(len(indices) == 1 for indices in choices)
+    shown = [index for index, thing in enumerate(combination.things) if not thing.is_frame]
     X_WB = np.array(combination.X_WB, dtype=np.float64)
     return CombinationTables(
-        things=np.array([column[thing.id] for thing in combination.things], dtype=np.int64),
+        things=np.array([column[thing.id] for thing in combination.objects], dtype=np.int64),
+        shown=None if len(shown) == len(combination.things) else np.array(shown, dtype=np.int64),
         pools=tuple(_pool([case.weight for case in pool.cases]) for pool in combination.pools),
         pool_of=np.array([pool_and_place[thing.id][0] for thing in combination.things], dtype=np.int64),
         first_row=first_row,
@@ -249,13 +269,26 @@ def _combination_tables(
         outlines=_outlines(choices, body_stances),
         levels=_levels([thing.parent for thing in combination.things], local),
         background=(*X_WB[:3, 3].tolist(), *_half_turn(float(X_WB[0, 0]), float(X_WB[1, 0]))),
-        support=np.array([column.get(thing.parent, BACKGROUND_COLUMN) for thing in combination.things], dtype=np.int64),
+        support=np.array(
+            [column.get(combination.standing_on(thing)[0], BACKGROUND_COLUMN) for thing in combination.objects],
+            dtype=np.int64,
+        ),
         background_body=-1 if combination.background is None else combination.background,
-        all_things=tuple(thing.id for thing in combination.things) == names,
+        all_things=tuple(thing.id for thing in combination.objects) == names,
         one_thing_per_pool=tuple(pool.things for pool in combination.pools)
         == tuple((thing.id,) for thing in combination.things),
-        groups=_groups(plan, combination, local),
+        groups=_groups(plan, combination, {thing.id: k for k, thing in enumerate(combination.objects)}),
         lighting=np.array([_index(plan.lighting, name) for name in combination.lighting], dtype=np.int64),
+        optional=tuple(
+            OptionalObjects(
+                np.array([column[name] for name in entry.things], dtype=np.int64),
+                np.arange(len(entry.things)),
+                entry.least,
+                entry.most,
+            )
+            for entry in combination.distractors
+        ),
+        rise_m=combination.rise_m,
     )
 
 

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from geom.planar import front_of, turned
-from scene_check.model import CheckObject, CheckScene, PosedPlace, SweptSpace
+from scene_check.model import CheckObject, CheckScene, PosedGrid, PosedPlace, SweptSpace
 from schemas.arrays import BoolArray, FloatArray, IntArray
 from schemas.scene.geometry import (
     BACKGROUND,
@@ -39,6 +39,19 @@ class ThingRule:
 
 
 @dataclass(frozen=True)
+class GridRule:
+    """Objects in rows and columns: `offsets_m` (n, 2) of their origins in the frame of the grid, the place of the grid,
+    and the poses of that frame there."""
+
+    name: str
+    members: tuple[str, ...]
+    offsets_m: FloatArray
+    owner: str
+    place: ScenePlace
+    domain: Domain
+
+
+@dataclass(frozen=True)
 class SceneRules:
     """All rules that n scenes share. The background lies at `origin_m` (3,) in W, rotated by `yaw_rad`."""
 
@@ -50,6 +63,8 @@ class SceneRules:
     keep_outs: tuple[KeepOutVolume, ...] = ()
     reach: ReachRing | None = None
     keep_clear: tuple[KeepClear, ...] = ()
+    stacks: tuple[tuple[str, ...], ...] = ()
+    grids: tuple[GridRule, ...] = ()
 
     @cached_property
     def number(self) -> dict[str, int]:
@@ -94,6 +109,11 @@ def scene_at(rules: SceneRules, poses: BatchPoses, k: int) -> CheckScene:
         keep_outs=tuple((place(rule.parent, rule.place), rule) for rule in rules.keep_outs),
         reach=rules.reach,
         keep_clear=tuple(SweptSpace(space, *owner(space.owner)) for space in rules.keep_clear),
+        stacks=rules.stacks,
+        grids=tuple(
+            PosedGrid(rule.name, rule.members, rule.offsets_m, place(rule.owner, rule.place), rule.domain)
+            for rule in rules.grids
+        ),
     )
 
 

@@ -50,6 +50,7 @@ def unproven(rules: SceneRules, poses: BatchPoses) -> BoolArray:
         return np.zeros(n, dtype=bool)
     footprints = _footprint_bounds(rules, poses)
     bad = ~poses.known.all(axis=1)
+    bad |= bool(rules.stacks or rules.grids)  # They have no bound: the exact judge decides.
     for i, thing in enumerate(rules.things):
         bad |= _allowed(rules, poses, i, thing)
         bad |= _places(rules, poses, footprints, i)

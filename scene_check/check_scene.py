@@ -11,17 +11,21 @@ clearance   least distance of footprints between objects that overlap in height:
             owners, only the owner's geometry over the place (`above`) must not be entered
 keep_clear  nothing is in the space that a joint sweeps but its owner, what the moved links carry, and what carries the
             owner
+stacks      each thing of a stack stands on the one before it and balances, for any masses (see `scene_check.towers`)
+grids       the members keep their places in a common frame, whose pose is within its ranges
 ranges, stances, fixed poses, relations, keep-outs, reach (a ring in x and y). A fixed pose above the floor (a hook, a
             peg hole) needs no support beneath it: the program states that it holds.
 """
 
 from __future__ import annotations
 
+from scene_check.grids import disordered_grids
 from scene_check.model import CheckScene, Violation, changed_since
 from scene_check.pairs import too_close
 from scene_check.placement import owners_entered, unsupported, wrong_pose
 from scene_check.relations import broken_relation
 from scene_check.stacking import unstable_stacks
+from scene_check.towers import fallen_towers
 from scene_check.zones import entered_keep_out, entered_swept_space, out_of_reach
 
 
@@ -39,6 +43,8 @@ def check(scene: CheckScene, known: CheckScene | None = None) -> tuple[Violation
         if item.name in changed:
             violations += (*wrong_pose(item), *unsupported(item), *owners_entered(item, by_name))
     violations += unstable_stacks(scene)
+    violations += fallen_towers(scene.stacks, by_name)
+    violations += disordered_grids(scene.grids, by_name)
     violations += too_close(scene, by_name, changed)
     for relation in scene.relations:
         if id(relation) not in judged_before or not changed.isdisjoint(relation.things):

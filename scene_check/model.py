@@ -18,7 +18,7 @@ TOLERANCE_M = 1e-6
 TURN = 2.0 * np.pi
 ViolationKind = Literal[
     "off_support", "unsupported", "headroom", "outside_volume", "owner_entered", "clearance", "penetration",
-    "relation", "keep_out", "keep_clear", "reach", "range", "spot", "stance",
+    "relation", "keep_out", "keep_clear", "reach", "range", "spot", "stance", "grid",
 ]  # fmt: skip
 
 
@@ -82,6 +82,18 @@ class SweptSpace:
 
 
 @dataclass(frozen=True)
+class PosedGrid:
+    """Objects that keep their places relative to one another: `offsets_m` (n, 2) of their origins in the frame of the
+    grid, whose origin and yaw in A of `place` are within `domain`."""
+
+    name: str
+    members: tuple[str, ...]
+    offsets_m: FloatArray
+    place: PosedPlace
+    domain: Domain
+
+
+@dataclass(frozen=True)
 class CheckScene:
     """All placed objects with their rules; fixed surroundings are represented by their places. Each keep-out has its
     place in W, each swept space its owner; directions of relations are in W."""
@@ -92,6 +104,8 @@ class CheckScene:
     keep_outs: tuple[tuple[PosedPlace, KeepOutVolume], ...] = ()
     reach: ReachRing | None = None
     keep_clear: tuple[SweptSpace, ...] = ()
+    stacks: tuple[tuple[str, ...], ...] = ()  # names of objects that stand on one another, the lowest first
+    grids: tuple[PosedGrid, ...] = ()
 
 
 @dataclass(frozen=True)

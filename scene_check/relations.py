@@ -131,8 +131,16 @@ def _aligned_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray
     return np.ptp(offsets, axis=0) <= relation.tolerance + SLACK_M
 
 
+def _turned_by_part(relation: SceneRelation, fronts: FloatArray) -> FloatArray:
+    """(n, 2) directions of the part that faces the other, from the fronts; the fronts where no part is named."""
+    if relation.angle_rad is None:
+        return fronts
+    cos, sin = np.cos(relation.angle_rad[0]), np.sin(relation.angle_rad[0])
+    return np.stack([cos * fronts[:, 0] - sin * fronts[:, 1], sin * fronts[:, 0] + cos * fronts[:, 1]], axis=1)
+
+
 def _facing(relation: SceneRelation, items: list[CheckObject]) -> Measured:
-    origins, front = _origins(items), items[0].front
+    origins, front = _origins(items), _turned_by_part(relation, items[0].front[None])[0]
     toward = origins[1] - origins[0]
     angle = float(abs(np.arctan2(front[0] * toward[1] - front[1] * toward[0], front @ toward)))
     has_direction = bool(min(np.hypot(*toward), np.hypot(*front)) > TOLERANCE_M)
@@ -140,7 +148,7 @@ def _facing(relation: SceneRelation, items: list[CheckObject]) -> Measured:
 
 
 def _facing_proven(relation: SceneRelation, members: BatchMembers) -> BoolArray:
-    front, toward = members.front_of(0), members.origins[1] - members.origins[0]
+    front, toward = _turned_by_part(relation, members.front_of(0)), members.origins[1] - members.origins[0]
     cross = front[:, 0] * toward[:, 1] - front[:, 1] * toward[:, 0]
     angle = np.abs(np.arctan2(cross, np.einsum("nd,nd->n", front, toward)))
     has_direction = np.minimum(np.hypot(*toward.T), np.hypot(*front.T)) > LEAST_LINE_M

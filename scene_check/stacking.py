@@ -48,7 +48,7 @@ def _tipped(contents: list[CheckObject]) -> Iterator[Violation]:
     for item in sorted(contents, key=lambda item: -item.low_m):
         footprint = shapely.union_all([Polygon(prism.outline_m) for prism in item.prisms])
         middle, loads = footprint.centroid, loads_on[item.name]
-        touched = {o.name: area for o in contents if o is not item and not (area := _contact(item, o)).is_empty}
+        touched = {o.name: area for o in contents if o is not item and not (area := contact(item, o)).is_empty}
         if is_lifted(item):
             support = shapely.union_all(list(touched.values())).convex_hull
             if support.is_empty:
@@ -58,7 +58,7 @@ def _tipped(contents: list[CheckObject]) -> Iterator[Violation]:
             inside_m = float(middle.distance(support.boundary)) if support.covers(middle) else -middle.distance(support)
             beyond = [room_m - (inside_m if support.area > 0.0 else 0.0)]
         else:
-            touched, support = {}, _foot(item).convex_hull
+            touched, support = {}, foot_of(item).convex_hull
             beyond = [float(middle.distance(support))] if loads else []
         beyond += [_farthest(load, support) for load in loads]
         if max(beyond, default=0.0) > TOLERANCE_M:
@@ -77,11 +77,12 @@ def _farthest(load: BaseGeometry, support: BaseGeometry) -> float:
     return float(distances(shapely.points(shapely.get_coordinates(load)), support).max())
 
 
-def _foot(item: CheckObject) -> BaseGeometry:
+def foot_of(item: CheckObject) -> BaseGeometry:
+    """The area, in W, of the lowest pieces of an object."""
     return shapely.union_all([Polygon(p.outline_m) for p in item.prisms if p.low_m <= item.low_m + CONTACT_M])
 
 
-def _contact(item: CheckObject, other: CheckObject) -> BaseGeometry:
+def contact(item: CheckObject, other: CheckObject) -> BaseGeometry:
     """The area, in W, in which an object touches the top of another from above."""
     tops = [Polygon(p.outline_m) for p in other.prisms if -CONTACT_M <= p.high_m - item.low_m <= 2.0 * TOLERANCE_M]
-    return shapely.union_all(tops).intersection(_foot(item)) if tops else Polygon()
+    return shapely.union_all(tops).intersection(foot_of(item)) if tops else Polygon()

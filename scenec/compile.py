@@ -16,6 +16,7 @@ from scenec.bind.choice_spans import chosen_paths
 from scenec.bind.components import lower
 from scenec.bind.variants import Combination
 from scenec.check import between_phases
+from scenec.check.judge_views import plan_without_view, without_view
 from scenec.emit.scene import compiled_scene
 from scenec.explain.drop_choices import dropped_choices
 from scenec.explain.minimal_conflict import minimal_conflict
@@ -185,6 +186,9 @@ def compile_program(
                 between_phases.after_solving(problem, result.placements, derivations)
     with clock.phase("emit"):
         scenes = tuple(_emit(p, r, seed, derivations) for p, r in zip(problems, results, strict=True))
+    blocked = tuple(without_view(read.program, scenes, seed, read.spans))
+    if blocked:
+        return Compiled(_invalid((*diagnostics, *blocked), clock), (), results, problems)
     plan = None
     if diversity is not None:
         ready = [result for result in results if isinstance(result, Solved)]
@@ -199,6 +203,9 @@ def compile_program(
                 diversity=diversity,
                 reached_by=lowered.reached_by,
             )
+        blocked = tuple(plan_without_view(plan, seed, read.spans))
+        if blocked:
+            return Compiled(_invalid((*diagnostics, *blocked), clock), (), results, problems)
     report = report.model_copy(update={"seconds": clock.total_s, "phases": clock.seconds})
     return Compiled(report, scenes, results, problems, plan=plan)
 

@@ -15,7 +15,7 @@ def choices(plan: RuntimePlan) -> dict[str, object]:
     keys = dict.fromkeys(key for one in plan.combinations for key in one.combination)
     assets: dict[str, list[str]] = {}
     for one in plan.combinations:
-        for thing in one.things:
+        for thing in one.objects:
             ids = (plan.bodies[body].asset_id for body in thing.bodies)
             assets[thing.id] = list(dict.fromkeys((*assets.get(thing.id, ()), *ids)))
     return {
@@ -49,9 +49,11 @@ def things(plan: RuntimePlan) -> list[dict[str, Any]]:
     freedom of yaw (rad), and the number of stances that it takes."""
     rows: list[dict[str, Any]] = []
     for index, one in enumerate(plan.combinations):
-        tags = {thing.id: list(thing.semantic_tags) for thing in one.things}
+        tags = {thing.id: list(thing.semantic_tags) for thing in one.objects}
         for pool in one.pools:
             for k, name in enumerate(pool.things):
+                if name not in tags:
+                    continue
                 cells = [case.cells_um[k] for case in pool.cases]
                 rows.append(
                     {

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from geom.pose import quat_of
 from runtime_plan import Plan, Samples
 from runtime_plan.bodies import PhysicalBody, physical_body
 from runtime_plan.materials import is_paired, with_material
@@ -45,10 +46,22 @@ class Layers:
             edits.append(
                 self._edit(samples.names[column], body, int(samples.material[k, column]), (x, y, z), (w, qx, qy, qz))
             )
+        there = set(np.array(samples.names)[samples.present[k]].tolist())
+        named = {thing.id for thing in self._plan.document.combinations[int(samples.combination[k])].objects}
+        edits += [SampleEdit(name, is_absent=True) for name in sorted(named - there)]
+        if samples.rise_m[k] > 0.0:
+            edits.append(self._raised(samples, k))
         if samples.background[k] >= 0 and samples.background_material[k] >= 0:
             edits.append(self._edit(BACKGROUND, int(samples.background[k]), int(samples.background_material[k])))
         lighting = sampled_lighting(self._plan, samples, k)
         return write_sample(scene, edits, lighting, self._folder / PACKAGES, file)
+
+    def _raised(self, samples: Samples, k: int) -> SampleEdit:
+        """The background at the height of sample k."""
+        X_WB = np.array(self._plan.document.combinations[int(samples.combination[k])].X_WB)
+        w, qx, qy, qz = (float(q) for q in quat_of(X_WB[:3, :3]))
+        x, y, z = (float(v) for v in X_WB[:3, 3])
+        return SampleEdit(BACKGROUND, (x, y, z + float(samples.rise_m[k])), (w, qx, qy, qz))
 
     def _edit(
         self, name: str, body: int, material: int, at: Point3 | None = None, quat: Quat_wxyz | None = None

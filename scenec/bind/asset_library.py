@@ -15,6 +15,7 @@ from shapely.affinity import scale as stretch
 
 from runtime_plan.package_files import changed_physics
 from scenec.bind.anchors import drawn_surface, drawn_volume, recorded_surface, recorded_volume
+from scenec.bind.asset_parts import AssetParts, asset_parts
 from scenec.bind.joint_states import JointState
 from scenec.bind.posed_asset import PosedAsset, swept_volumes
 from scenec.bind.primitives import UPRIGHT, shape_of, stable_quats_wxyz, top_of
@@ -54,6 +55,7 @@ class Geometry:
     posed: PosedAsset | None = None  # of an articulated asset
     density_kgm3: float | None = None
     exercised: Exercised | None = None  # None where nobody tried: primitives, and assets at another size
+    parts: AssetParts = ()
     leaning_deg: Mapping[str, float] = field(default_factory=dict[str, float])  # places that lean in this state
 
     @cached_property
@@ -131,6 +133,7 @@ class AssetLibrary:
                 scale,
                 geometry.inline,
                 joints=geometry.joints,
+                parts=geometry.parts,
             )
         return self._bodies[key]
 
@@ -249,6 +252,7 @@ class AssetLibrary:
             posed=posed,
             density_kgm3=record.physics.density_kgm3.value,
             exercised=None if scale != 1.0 else exercised_ranges(record),
+            parts=asset_parts(record, scale, posed is not None and posed.moved),
             leaning_deg=leaning,
         )
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scenec.ir.names import WORLD, Names
+from scenec.bind.asset_parts import heading_of_part
+from scenec.ir.names import WORLD, Names, upright
 from scenec.ir.problem import Path, Thing
 from scenec.relations.table import WRITTEN_RELATIONS
 from scenec.source.tree import Spans, written
@@ -44,10 +45,13 @@ def _lowered(
     names: Names, relation: Relation, things: Mapping[str, Thing], background_yaw_rad: float, path: Path
 ) -> Iterator[SceneRelation]:
     (row,) = relation.words
-    sides = [names.things_named(name) for name in relation.members(row)]
+    members, part = relation.members(row), None
+    if row.parts and (named := names.part_of(members[0])) is not None:
+        members, part = (named[0], *members[1:]), named[1]
+    sides = [names.things_named(name) for name in members]
     if not all(thing in things for side in sides for thing in side):  # of another component
         return
-    frames = RelationFrames(names, relation.frame, things, background_yaw_rad, path)
+    frames = RelationFrames(names, relation.frame, things, background_yaw_rad, path, part)
     yield from WRITTEN_RELATIONS[row.kind].lower(relation, row, sides, frames)
 
 
@@ -60,6 +64,14 @@ class RelationFrames:
     things: Mapping[str, Thing]
     background_yaw_rad: float
     path: Path
+    part: str | None = None
+
+    def part_heading_rad(self, name: str) -> float | None:
+        """Heading of the part from the origin of a thing at yaw 0, None where no part is named. Raises InvalidInput."""
+        if self.part is None:
+            return None
+        thing = self.things[name]
+        return heading_of_part(thing.body, self.part, upright(self.names.placing(self.names.node_of[name])))
 
     def along(self, axis: tuple[float, float], members: tuple[str, ...]) -> tuple[str, tuple[float, float]]:
         """Owner of the frame for these members, and the axis in it. Raises InvalidInput."""

@@ -124,7 +124,7 @@ def lower(
     if any_error(binder.diagnostics):
         return Lowered((), tuple(binder.diagnostics), binder)
     if not variants.is_open:
-        things, nodes = tuple(t for copies in names.copies.values() for t in copies), frozenset(names.copies)
+        things, nodes = _all_things(names), frozenset(names.copies)
         component = IndependentComponent(things, nodes, frozenset(), (), ({},), (binder.problem({}),))
         return Lowered(() if any_error(binder.diagnostics) else (component,), tuple(binder.diagnostics), binder)
     component_things = _independent_components(binder)
@@ -140,7 +140,7 @@ def lower(
 
 def _independent_components(binder: Binder) -> tuple[tuple[str, ...], ...]:
     variants, layout = binder.variants, binder.names.program.layout
-    everything = (tuple(thing for node in layout.nodes for thing in binder.names.copies[node]),)
+    everything = (_all_things(binder.names),)
     if not any(variants.keys_of(node) for node in layout.nodes):
         return everything
     probes = list(islice(variants.probes(), MAX_PROBES + 1))
@@ -148,6 +148,11 @@ def _independent_components(binder: Binder) -> tuple[tuple[str, ...], ...]:
         return everything
     problems = [binder.problem(probe) for probe in probes]
     return everything if any_error(binder.diagnostics) else independent_components(problems)
+
+
+def _all_things(names: Names) -> tuple[str, ...]:
+    """All placed things, and the frames of grids."""
+    return (*(thing for copies in names.copies.values() for thing in copies), *names.grids)
 
 
 def _nodes(names: Names, things: Collection[str]) -> frozenset[str]:
@@ -167,7 +172,7 @@ def _limited(component_things: Sequence[tuple[str, ...]], variants: VariantSpace
     many = [(things, variants.count(_keys(variants, things))) for things in component_things]
     many = [(things, count) for things, count in many if count > MAX_COMBINATIONS]
     reached = {key for things, _ in many for key in _keys(variants, things)}
-    variants.united = frozenset(name for name in variants.as_authored if f"objects.{name}" in reached) - separate
+    variants.united |= frozenset(name for name in variants.as_authored if f"objects.{name}" in reached) - separate
     for things, count in many:
         left = variants.count(_keys(variants, things))
         at = spans.place(("layout", "nodes", min(_nodes(variants.names, things), key=[*layout.nodes].index)))

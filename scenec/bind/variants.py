@@ -48,7 +48,7 @@ class VariantSpace:
         for variant in variants.slots:
             self.slots[variant.group][variant.id] = variant.assign
         self.as_authored = {thing.id: single_assets(thing.asset) for thing in program.objects}
-        self.united: frozenset[str] = frozenset()
+        self.united = frozenset(entry.id for entry in program.distractors)
 
     @property
     def is_open(self) -> bool:
@@ -135,8 +135,10 @@ class VariantSpace:
         carriers = (node.object for name, node in nodes.items() if not owners.isdisjoint(names.copies[name]))
         turned = (node.object for name, node in nodes.items() if not upright(names.placing(name)))
         jointed = (node.object for node in nodes.values() if node.joints)
+        stacks = (thing for group in names.program.layout.groups for thing in names.stacked(group)[:-1])
+        stacked = (nodes[names.node_of[thing]].object for thing in stacks)
         kept_clear = (names.object_of(rule.object) for rule in names.program.keep_clear)
-        return frozenset((*carriers, *turned, *jointed, *kept_clear))
+        return frozenset((*carriers, *turned, *jointed, *kept_clear, *stacked, *names.named_by_parts))
 
     def _settings(self, keys: Collection[str]) -> Iterator[tuple[str, str, Combination]]:
         # Asset variant, background and slot assignments of each choice of the declared variants among `keys`.

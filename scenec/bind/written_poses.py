@@ -12,6 +12,7 @@ from schemas.scene.geometry import Domain, FixedPose
 from schemas.scene.program import (
     Background,
     DiscretePlacement,
+    GridGroup,
     Group,
     Orientation,
     Placement,
@@ -19,6 +20,7 @@ from schemas.scene.program import (
     Ranges,
     Slot,
     SlotGroup,
+    StackGroup,
 )
 
 FULL_TURN = 2.0 * np.pi
@@ -26,7 +28,7 @@ FULL_TURN = 2.0 * np.pi
 
 def orientation_of(placing: Placement | Group) -> tuple[Orientation, tuple[tuple[int, float], ...]]:
     """The orientations to prepare; for discrete poses also (number of the orientation, yaw) of each."""
-    if isinstance(placing, SlotGroup):
+    if isinstance(placing, SlotGroup | StackGroup | GridGroup):
         return "upright", ()
     if not isinstance(placing, DiscretePlacement):
         return placing.orientation, ()
@@ -70,4 +72,6 @@ def world_pose_of(background: Background | None) -> FloatArray:
     if background is None:
         return np.eye(4)
     c, s = np.cos(yaw_of(background)), np.sin(yaw_of(background))
-    return pose(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), background.position)
+    x, y, z = background.position
+    least = 0.0 if background.height is None else background.height[0]  # plans raise it from there
+    return pose(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), (x, y, z + least))

@@ -123,7 +123,8 @@ def _sound(area: Polygon) -> bool:
 
 def _unwritten(problem: Problem, scene: CompiledScene) -> Iterator[str]:
     written = Counter(placed.id for placed in scene.objects)
-    parents = {thing.name: thing.parent for thing in problem.things}
+    objects = [thing for thing in problem.things if not thing.is_frame]
+    parents = {thing.name: problem.standing_on(thing)[0] for thing in objects}
     wrong = sorted({name for name, count in written.items() if count != 1} | (set(written) ^ set(parents)))
     yield from (f"{name} is written {written[name]} times" for name in wrong)
     for placed in scene.objects:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from scene_check.batch import BatchPoses, SceneRules
@@ -9,8 +11,10 @@ from scene_check.check_batch import check_batch
 from scene_check.from_plan import scene_rules
 from schemas.arrays import FloatArray
 from schemas.scene.geometry import BACKGROUND, Stance
+from schemas.scene.plan_geometry import stance_of
 from schemas.scene.runtime_plan import PlanCombination, PlanPool, RuntimePlan
 
+Forms = Mapping[str, tuple[tuple[int, Stance], ...]]
 EACH = 4  # scenes in which a case appears at least
 JUDGED_AT_ONCE = 2_000  # scenes judged at once
 EMPTY_M = 2e-6  # by which a cell may be too small for its footprint, from rounding
@@ -19,32 +23,44 @@ EMPTY_M = 2e-6  # by which a cell may be too small for its footprint, from round
 def judge(plan: RuntimePlan) -> None:
     """Raises RuntimeError when the judge refuses a scene, or a cell is empty: a defect of ours, not of the program."""
     for combination in plan.combinations:
-        rules = scene_rules(plan, combination)
+        rules, forms = scene_rules(plan, combination), forms_of(plan, combination)
         count = EACH * max((len(pool.cases) for pool in combination.pools), default=0)
         for begin in range(0, count, JUDGED_AT_ONCE):
             scenes = np.arange(begin, min(begin + JUDGED_AT_ONCE, count))
-            for k, violations in check_batch(rules, extremes(rules, combination, scenes)):
+            for k, violations in check_batch(rules, extremes(rules, combination, scenes, forms)):
                 cases = {pool.things[0]: int(scenes[k]) % len(pool.cases) for pool in combination.pools}
                 raise RuntimeError(f"{plan.scene}: the checker refuses cases {cases}: {violations[0]}")
 
 
-def extremes(rules: SceneRules, combination: PlanCombination, scenes: np.ndarray) -> BatchPoses:
+def extremes(
+    rules: SceneRules, combination: PlanCombination, scenes: np.ndarray, forms: Forms | None = None
+) -> BatchPoses:
     """The given scenes (n,) by number: each case in turn, its things at ends of yaw intervals and corners of cells."""
     count, names = len(scenes), [thing.id for thing in combination.things]
     origin, yaw = np.zeros((count, len(names), 3)), np.zeros((count, len(names)))
     form = np.zeros((count, len(names)), dtype=np.int64)
     home = {name: (pool, k) for pool in combination.pools for k, name in enumerate(pool.things)}
-    for i, (thing, rule) in enumerate(zip(combination.things, rules.things, strict=True)):
-        at, turn, form[:, i] = _in_place(rule.forms, *home[thing.id], scenes, i)
-        at += rule.place.origin_P_m
-        if rule.owner == BACKGROUND:
+    number = {name: i for i, name in enumerate(names)}
+    forms = forms or {thing.name: thing.forms for thing in rules.things}
+    for i, thing in enumerate(combination.things):
+        at, turn, form[:, i] = _in_place(forms[thing.id], *home[thing.id], scenes, i)
+        at += np.array(combination.places[thing.place][1].origin_m)
+        if thing.parent == BACKGROUND:
             base, heading = np.broadcast_to(rules.origin_m, (count, 3)), np.full(count, rules.yaw_rad)
         else:
-            base, heading = origin[:, rules.number[rule.owner]], yaw[:, rules.number[rule.owner]]
+            base, heading = origin[:, number[thing.parent]], yaw[:, number[thing.parent]]
         c, s = np.cos(heading), np.sin(heading)
         origin[:, i] = base + np.stack([c * at[:, 0] - s * at[:, 1], s * at[:, 0] + c * at[:, 1], at[:, 2]], axis=1)
         yaw[:, i] = heading + turn
+    objects = [i for i, thing in enumerate(combination.things) if not thing.is_frame]
+    origin, yaw, form = origin[:, objects], yaw[:, objects], form[:, objects]
     return BatchPoses(origin, yaw, form, np.ones(form.shape, dtype=bool))
+
+
+def forms_of(plan: RuntimePlan, combination: PlanCombination) -> Forms:
+    """Number and geometry of every stance of every body that a thing may have, by its name."""
+    stances = [tuple(enumerate(map(stance_of, body.stances))) for body in plan.bodies]
+    return {thing.id: tuple(form for body in thing.bodies for form in stances[body]) for thing in combination.things}
 
 
 def _in_place(

@@ -14,7 +14,7 @@ from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import Body, Placement, Problem, Thing
 from schemas.arrays import FloatArray
 from schemas.scene.compiled import ClearedSpace, CompiledScene, PlacedObject
-from schemas.scene.geometry import BACKGROUND, KeepClear, Prism, Stance, rounded_value
+from schemas.scene.geometry import BACKGROUND, KeepClear, Prism, ScenePlace, Stance, rounded_value
 from schemas.scene.program import BoxAsset, CylinderAsset, Inline, SphereAsset
 
 _NO_PART = 1e-12  # of a unit quaternion: rounding
@@ -32,13 +32,14 @@ def compiled_scene(
     bodies: dict[str, tuple[Thing | None, Body, Stance]] = {
         thing.name: (thing, thing.body, thing.body.resting_orientations[placements[thing.name].stance])
         for thing in problem.things
+        if not thing.is_frame
     }
     if problem.background is not None:
         bodies[BACKGROUND] = None, problem.background, problem.background.resting_orientations[0]
     placed = {
         name: derivations.get(
             ("placed", problem.key, name),
-            partial(_placed, name, body, stance, frames[name], thing),
+            partial(_placed, name, body, stance, frames[name], thing, problem.standing_on(thing) if thing else None),
             *(thing or body, stance, frames[name]),
         )
         for name, (thing, body, stance) in bodies.items()
@@ -89,7 +90,14 @@ def _in_parent(thing: Thing, placement: Placement) -> FloatArray:
     return pose(turn, np.asarray(thing.place.origin_P_m, dtype=np.float64) + p_A)
 
 
-def _placed(name: str, body: Body, stance: Stance, X_WU: FloatArray, thing: Thing | None) -> PlacedObject:
+def _placed(
+    name: str,
+    body: Body,
+    stance: Stance,
+    X_WU: FloatArray,
+    thing: Thing | None,
+    standing_on: tuple[str, ScenePlace] | None,
+) -> PlacedObject:
     inline: Inline | None = body.inline if isinstance(body.inline, BoxAsset | CylinderAsset | SphereAsset) else None
     w, x, y, z = (rounded_value(q) for q in _quat_wxyz(stance, X_WU))
     return PlacedObject(
@@ -99,8 +107,8 @@ def _placed(name: str, body: Body, stance: Stance, X_WU: FloatArray, thing: Thin
         position_m=(rounded_value(X_WU[0, 3]), rounded_value(X_WU[1, 3]), rounded_value(X_WU[2, 3])),
         quat_wxyz=(w, x, y, z),
         scale=body.scale,
-        parent="" if thing is None else thing.parent,
-        anchor="" if thing is None else thing.place.name,
+        parent="" if standing_on is None else standing_on[0],
+        anchor="" if standing_on is None else standing_on[1].name,
         prisms=prisms(stance, X_WU),
         semantic_tags=() if thing is None else thing.tags,
         primitive=inline,

@@ -8,11 +8,13 @@ from typing import Literal
 from schemas.scene.geometry import BACKGROUND
 from schemas.scene.program import (
     DiscretePlacement,
+    GridGroup,
     Group,
     Placement,
     ScatterGroup,
     SceneProgram,
     SlotGroup,
+    StackGroup,
     VolumeGroup,
     VolumePlacement,
 )
@@ -62,7 +64,43 @@ class Names:
         group = self.program.layout.groups.get(name)
         if group is not None:
             return tuple(t for member in dict.fromkeys(group.members) for t in self.copies.get(member, ()))
-        return (name,) if name in self.things else ()
+        return (name,) if name in self.things else self._lines.get(name, ())
+
+    def part_of(self, name: str) -> tuple[str, str] | None:
+        """Name and part of `mug.handle`, where the first is known and the whole is not; None for other names."""
+        base, dot, part = name.partition(".")
+        if not dot or not part or self.things_named(name) or not self.things_named(base):
+            return None
+        return base, part
+
+    @property
+    def named_by_parts(self) -> frozenset[str]:
+        """Ids of the objects of which a relation names a part."""
+        written = (name for r in self.program.relations for row in r.words for name in r.members(row)[:1])
+        parts = (part for name in written if (part := self.part_of(name)) is not None)
+        return frozenset(self.object_of(thing) for base, _ in parts for thing in self.things_named(base))
+
+    @cached_property
+    def _lines(self) -> dict[str, tuple[str, ...]]:
+        # The things of each row and column of each grid: `rack.front`.
+        lines: dict[str, tuple[str, ...]] = {}
+        for name, group in self.grids.items():
+            things = dict(zip(group.cells(), self.things_named(name), strict=False))
+            for r, row in enumerate(group.row_names):
+                lines[f"{name}.{row}"] = tuple(thing for (at, _), thing in things.items() if at == r)
+            for c, column in enumerate(group.column_names):
+                lines[f"{name}.{column}"] = tuple(thing for (_, at), thing in things.items() if at == c)
+        return lines
+
+    @cached_property
+    def grids(self) -> dict[str, GridGroup]:
+        """The grids by name. Each is also a thing of the problem: the frame in which its members have fixed poses."""
+        return {name: group for name, group in self.program.layout.groups.items() if isinstance(group, GridGroup)}
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Names of the rows and columns of grids, with that of their grid before a dot."""
+        return tuple(self._lines)
 
     def placed(self, name: str) -> tuple[str, ...]:
         """The things that an anchor's `object` may refer to: those of the node, else of all nodes of the object."""
@@ -94,6 +132,10 @@ class Names:
         placed = {anchor: self.placed(reference.object) for anchor, reference in self.program.anchors.items()}
         return {anchor: things[0] for anchor, things in placed.items() if len(things) == 1}
 
+    def stacked(self, group: str) -> tuple[str, ...]:
+        """The things of a stack from the lowest to the highest."""
+        return self.things_named(group) if isinstance(self.program.layout.groups[group], StackGroup) else ()
+
     def placing(self, node: str) -> Placement | Group | None:
         """What places a node: its own placement, or the group that owns it."""
         groups = self.groups_of.get(node, ())
@@ -107,11 +149,24 @@ class Names:
     def _count(self, node: str) -> int:
         if node not in self.groups_of:
             return 1
+        if (grid := self._grid_of_copies(node)) is not None:
+            return len(grid.row_names) * len(grid.column_names)
         groups = (self.program.layout.groups[name] for name in self.groups_of[node])
-        return max((group.count for group in groups if isinstance(group, ScatterGroup)), default=1)
+        return max((group.count for group in groups if isinstance(group, ScatterGroup | StackGroup)), default=1)
+
+    def _grid_of_copies(self, node: str) -> GridGroup | None:
+        # The grid whose cells all hold copies of a node.
+        groups = (self.grids.get(name) for name in self.groups_of.get(node, ()))
+        return next((grid for grid in groups if grid is not None and len(grid.members) == 1), None)
 
     def _copies(self, node: str) -> tuple[str, ...]:
         count = self._count(node)
+        if count > 1 and (grid := self._grid_of_copies(node)) is not None:
+            rows = grid.row_names if not isinstance(grid.rows, int) else tuple(map(str, range(1, grid.rows + 1)))
+            columns = grid.column_names
+            if isinstance(grid.columns, int):
+                columns = tuple(map(str, range(1, grid.columns + 1)))
+            return tuple(f"{node}-{rows[r]}-{columns[c]}" for r, c in grid.cells())
         return (node,) if count == 1 else tuple(f"{node}-{i}" for i in range(1, count + 1))
 
 
@@ -133,7 +188,7 @@ def upright(placing: Placement | Group | None) -> bool:
     """Whether the placed things can only turn about the vertical."""
     if isinstance(placing, DiscretePlacement):
         quats = [pose.quat_wxyz for pose in placing.poses if pose.quat_wxyz is not None]
-    elif placing is None or isinstance(placing, SlotGroup) or placing.orientation == "upright":
+    elif placing is None or isinstance(placing, SlotGroup | StackGroup | GridGroup) or placing.orientation == "upright":
         return True
     elif placing.orientation == "stable":
         return False

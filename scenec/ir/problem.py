@@ -35,6 +35,7 @@ class Body:
     inline: object | None = None  # the primitive as written, for the emitter
     candidates: tuple[Body, ...] = ()
     joints: tuple[tuple[str, float], ...] = ()
+    parts: tuple[tuple[str, tuple[float, float]], ...] = ()  # names, each with its middle (x, y) in P
 
 
 def level_share(place: ScenePlace) -> float:
@@ -59,6 +60,7 @@ class Thing:
     path: Path
     group: str | None = None
     tags: tuple[str, ...] = ()
+    is_frame: bool = False  # the common frame of the members of a grid: placed like a thing, but no object
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,18 @@ class Problem:
     reach: ReachRing | None = None
     combination: dict[str, str] = field(default_factory=dict)
     keep_clear: tuple[KeepClear, ...] = ()
+    rise_m: float = 0.0  # by how much plans raise the background and all that stands on it, at most
+    stacks: tuple[tuple[str, ...], ...] = ()  # names of things that stand on one another, the lowest first
+
+    @cached_property
+    def frames(self) -> dict[str, Thing]:
+        """The frames of grids, by name; they carry the members and are no objects."""
+        return {thing.name: thing for thing in self.things if thing.is_frame}
+
+    def standing_on(self, thing: Thing) -> tuple[str, ScenePlace]:
+        """Owner and place on which a thing stands: those of its grid for the members of one."""
+        frame = self.frames.get(thing.parent)
+        return (thing.parent, thing.place) if frame is None else (frame.parent, frame.place)
 
     @cached_property
     def key(self) -> tuple[tuple[str, str], ...]:

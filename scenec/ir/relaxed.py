@@ -62,6 +62,7 @@ def relaxed(problem: Problem, dropped: Collection[Path]) -> Problem:
         keep_outs=tuple(rule for rule in problem.keep_outs if rule.path not in gone and rule.parent not in away),
         keep_clear=tuple(rule for rule in problem.keep_clear if rule.path not in gone and rule.owner not in away),
         reach=reach,
+        stacks=tuple(stack for stack in problem.stacks if away.isdisjoint(stack)),
         clearance_m=0.0 if CLEARANCE in gone else problem.clearance_m,
     )
 

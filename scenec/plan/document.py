@@ -24,7 +24,7 @@ from schemas.scene.plan_geometry import (
     written_thing,
 )
 from schemas.scene.program import PairedMaterial, SceneProgram
-from schemas.scene.runtime_plan import PlanBody, PlanCombination, PlanPool, PlanProvenance, RuntimePlan
+from schemas.scene.runtime_plan import PlanBody, PlanCombination, PlanDistractors, PlanPool, PlanProvenance, RuntimePlan
 
 _MARK = "\x01"  # occurs in no name
 
@@ -63,6 +63,7 @@ def runtime_plan(
         combinations=tuple(combinations),
         materials=_materials(program),
         lighting=program.variants.lighting,
+        cameras=program.cameras,
         split={"train": program.split.train, "eval": program.split.eval}
         if program.split.train or program.split.eval
         else {},
@@ -99,7 +100,7 @@ def plan_text(plan: RuntimePlan) -> str:
 def _combination(
     program: SceneProgram, base: SolverModel, pools: tuple[PlanPool, ...], bodies: PlanBodies
 ) -> PlanCombination:
-    problem = base.problem
+    problem, names = base.problem, Names(program)
     places = _places(problem, base)
     number = {key: k for k, key in enumerate(places)}
     things = [base.things[name] for name in owner_first(base.things)]
@@ -116,6 +117,7 @@ def _combination(
                 thing.parent,
                 number[thing.parent, thing.place.name],
                 thing.tags,
+                thing.is_frame,
             )
             for thing in things
         ),
@@ -123,6 +125,12 @@ def _combination(
         relations=tuple(map(written_relation, problem.relations)),
         keep_outs=tuple(written_keep_out(rule, number[rule.parent, rule.place.name]) for rule in problem.keep_outs),
         keep_clear=tuple(map(written_keep_clear, problem.keep_clear)),
+        rise_m=rounded_value(max(problem.rise_m, 0.0)),
+        stacks=problem.stacks,
+        distractors=tuple(
+            PlanDistractors(things=names.copies[entry.id], least=entry.count[0], most=entry.count[1])
+            for entry in program.distractors
+        ),
         reach=None if problem.reach is None else written_reach(problem.reach),
         materials=tuple(material.id for material in program.variants.materials),
         lighting=tuple(lighting.id for lighting in program.variants.lighting),

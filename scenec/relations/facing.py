@@ -1,4 +1,5 @@
-"""`facing`: +x of the first points at the origin of the second within `tolerance` (rad)."""
+"""`facing`: +x of the first, or the direction of one of its parts, points at the origin of the second within
+`tolerance` (rad). `angle_rad` of the relation is the heading of that part at yaw 0, None for the front."""
 
 from __future__ import annotations
 
@@ -34,7 +35,14 @@ class Facing(WordMeaning):
     """See the module."""
 
     kind = "facing"
-    page = (("facing", "[a, b]", "the front (+x) of a points at b within `tolerance` rad (10 degrees)"),)
+    page = (
+        (
+            "facing",
+            "[a, b], [a.part, b]",
+            "the front (+x) of a, or the direction from its origin to a part or affordance (`mug.handle`), points at b "
+            "within `tolerance` rad (10 degrees)",
+        ),
+    )
 
     @override
     def lower(
@@ -44,14 +52,18 @@ class Facing(WordMeaning):
         if written.tolerance_deg is not None:
             tolerance = float(np.radians(written.tolerance_deg))
         for chosen in product(*sides):
-            yield SceneRelation("facing", chosen, tolerance=tolerance, path=frames.path, word=word.word)
+            part = frames.part_heading_rad(chosen[0])
+            angle = None if part is None else (part, part)
+            yield SceneRelation(
+                "facing", chosen, tolerance=tolerance, path=frames.path, word=word.word, angle_rad=angle
+            )
 
     @override
     def excess(self, rule: SceneRelation, assignment: Assignment) -> float:
         (ax, ay), (bx, by) = measures.origins_B(rule.things, assignment)
         if hypot(bx - ax, by - ay) < NEAREST_M:
             return pi
-        front = measures.front_B(assignment[rule.things[0]], assignment)
+        front = measures.front_B(assignment[rule.things[0]], assignment) + _part_rad(rule)
         return abs(measures.wrapped(atan2(by - ay, bx - ax) - front)) - rule.tolerance
 
     @override
@@ -59,9 +71,9 @@ class Facing(WordMeaning):
         if rule.tolerance > WIDEST_WEDGE_RAD:
             return None
         (point,) = measures.mates_P(rule, mover.name, mover.owner, assignment)
-        ahead, away = mover.turned.yaw_rad + mover.turned.shape.front_rad, pi
+        ahead, away = mover.turned.yaw_rad + mover.turned.shape.front_rad + _part_rad(rule), pi
         if rule.things[1] == mover.name:
-            ahead = measures.front_B(assignment[rule.things[0]], assignment) - mover.owner.yaw_rad
+            ahead = measures.front_B(assignment[rule.things[0]], assignment) + _part_rad(rule) - mover.owner.yaw_rad
             away = 0.0
         size = sum(abs(v) for v in mover.around) + sum(abs(v) for v in point) + 1.0
         return wedge(point, ahead + away, rule.tolerance, size)
@@ -76,13 +88,13 @@ class Facing(WordMeaning):
             return None
         (ax, ay), (bx, by) = measures.origins_B(rule.things, assignment)
         owner = pose_of(placed.parent, assignment)
-        return atan2(by - ay, bx - ax) - owner.yaw_rad - placed.turned.shape.front_rad
+        return atan2(by - ay, bx - ax) - owner.yaw_rad - placed.turned.shape.front_rad - _part_rad(rule)
 
     @override
     def may_hold(self, rule: SceneRelation, batch: Batch) -> BoolArray:
         toward = batch.origins_m[1] - batch.origins_m[0]
         heading = np.arctan2(toward[..., 1], toward[..., 0])
-        away = np.abs(wrapped_all(heading - batch.fronts_rad[0]))
+        away = np.abs(wrapped_all(heading - batch.fronts_rad[0] - _part_rad(rule)))
         return (away <= rule.tolerance + SLACK) & (np.hypot(toward[..., 0], toward[..., 1]) > NEAREST_IN_PLANS_M)
 
     @override
@@ -95,7 +107,7 @@ class Facing(WordMeaning):
         at, first = motions.origins_m, motions.members[0]
         toward = at[:, 1] - at[:, 0]
         length = np.hypot(*toward.T)
-        away = np.abs(wrapped_all(np.arctan2(toward[:, 1], toward[:, 0]) - first.front_rad))
+        away = np.abs(wrapped_all(np.arctan2(toward[:, 1], toward[:, 0]) - first.front_rad - _part_rad(rule)))
         moved = sum(motions.origin_shifts_m)
         swing = np.arcsin(np.clip(moved / np.maximum(length, 1e-9), 0.0, 1.0))
         return (away + swing + first.turn_rad + ROUNDING <= rule.tolerance) & (moved < length)
@@ -107,7 +119,7 @@ class Facing(WordMeaning):
         """The second origin lies in the wedge swept by the front of the first, if that is narrower than pi."""
         w, x, y, z = poses[0].stance.quat_wxyz
         low, high = poses[0].yaw
-        front = np.arctan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z))
+        front = np.arctan2(2.0 * (x * y + w * z), 1.0 - 2.0 * (y * y + z * z)) + _part_rad(rule)
         half = (high - low) / 2.0 + rule.tolerance + OUTLINE_SLACK_M
         if half >= np.pi / 2.0:
             return
@@ -119,6 +131,11 @@ class Facing(WordMeaning):
     @override
     def heading_matters(self, rule: SceneRelation, name: str) -> bool:
         return rule.things[0] == name
+
+
+def _part_rad(rule: SceneRelation) -> float:
+    """Heading of the part that is turned toward the second, from the front."""
+    return 0.0 if rule.angle_rad is None else rule.angle_rad[0]
 
 
 RELATION = Facing()

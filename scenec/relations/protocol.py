@@ -45,6 +45,11 @@ class Frames(Protocol):
         """The owner of the frame for these members, and the axis in it. Raises InvalidInput."""
         ...
 
+    def part_heading_rad(self, name: str) -> float | None:
+        """Heading at yaw 0 of the part that the relation names of a thing, None where it names none. Raises
+        InvalidInput."""
+        ...
+
 
 class Mover(NamedTuple):
     """A thing that is being placed: its shape, the pose in B of its owner, the box in P of where its origin may be, the

@@ -22,24 +22,25 @@ def check_relations(names: Names, spans: Spans) -> Iterator[Diagnostic]:
             problem = f"says {at_once} at once" if words else "has no relation word"
             yield finding("scene/relation-words", f"`{written(path)}` {problem}", where=spans.place(path))
             continue
-        yield from _things(names, words[0].word, relation.members(words[0]), spans, path)
+        yield from _things(names, words[0], relation.members(words[0]), spans, path)
         yield from _options(relation, words[0], spans, path)
         if relation.frame is not None:
             yield from _frame(names, relation.frame, spans, (*path, "frame"))
 
 
-def _things(names: Names, word: str, things: tuple[str, ...], spans: Spans, path: Path) -> Iterator[Diagnostic]:
-    known = [*names.program.layout.nodes, *names.program.layout.groups, *names.things]
+def _things(names: Names, row: RelationWord, things: tuple[str, ...], spans: Spans, path: Path) -> Iterator[Diagnostic]:
+    known = [*names.program.layout.nodes, *names.program.layout.groups, *names.things, *names.lines]
     seen: set[str] = set()
     for k, name in enumerate(things):
-        stands_for = names.things_named(name)
+        part = names.part_of(name) if row.parts and k == 0 else None
+        stands_for = names.things_named(name if part is None else part[0])
         if not stands_for and name not in names.program.layout.groups:
             headline = f"there is no node or group `{name}`{did_you_mean(name, known)}"
-            yield finding("scene/unknown-name", headline, where=spans.place((*path, word, k)))
+            yield finding("scene/unknown-name", headline, where=spans.place((*path, row.word, k)))
         elif not seen.isdisjoint(stands_for):
             both = sorted(seen.intersection(stands_for))[0]
-            headline = f"`{both}` is on both sides of {word}"
-            yield finding("scene/relation-self", headline, where=spans.place((*path, word, k)))
+            headline = f"`{both}` is on both sides of {row.word}"
+            yield finding("scene/relation-self", headline, where=spans.place((*path, row.word, k)))
         seen |= set(stands_for)
 
 

@@ -9,7 +9,9 @@ import shapely
 from scenec.ir.names import MAX_THINGS, Names
 from scenec.ir.problem import Path
 from scenec.ir.single_assets import single_assets
+from scenec.source.check_cameras import check_cameras
 from scenec.source.check_colours import check_colours
+from scenec.source.check_groups import check_groups
 from scenec.source.check_ownership import check_ownership
 from scenec.source.check_relations import check_relations
 from scenec.source.check_units import check_units
@@ -19,7 +21,17 @@ from scenec.source.paired_materials.library import check_pairs
 from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
 from schemas.scene.geometry import BACKGROUND
-from schemas.scene.program import AuthoredPolygon, DiscretePlacement, FixedAsset, Pose, Ranges, SceneProgram, SlotGroup
+from schemas.scene.program import (
+    AuthoredPolygon,
+    DiscretePlacement,
+    FixedAsset,
+    GridGroup,
+    Pose,
+    Ranges,
+    SceneProgram,
+    SlotGroup,
+    StackGroup,
+)
 
 
 def check_program(program: SceneProgram, spans: Spans) -> tuple[Diagnostic, ...]:
@@ -38,6 +50,8 @@ def check_program(program: SceneProgram, spans: Spans) -> tuple[Diagnostic, ...]
         *check_colours(program, spans),
         *check_pairs(program, spans),
         *check_units(program, spans),
+        *check_groups(program, spans),
+        *check_cameras(names, spans),
         *check_ownership(names, spans),
         *check_relations(names, spans),
     )
@@ -131,7 +145,9 @@ def _assignment(group: SlotGroup, assign: dict[str, str], spans: Spans, path: Pa
 def _numbers(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:
     """Angles given twice, reversed ranges, quaternions that are no rotations."""
     for path, placing in written_placings(program):
-        if not isinstance(placing, SlotGroup | DiscretePlacement) and isinstance(placing.orientation, tuple):
+        if not isinstance(placing, SlotGroup | DiscretePlacement | StackGroup | GridGroup) and isinstance(
+            placing.orientation, tuple
+        ):
             quats = [((*path, "orientation", i), quat) for i, quat in enumerate(placing.orientation)]
             yield from _orientations(quats, spans)
     for path, heading in written_yaws(program):

@@ -45,6 +45,17 @@ def keys_at(tree: Tree, path: Path) -> list[str]:
 
 
 @cache
+def sections() -> dict[str, str]:
+    """Paths of the keys one level below the program's own: `lighting` is `variants.lighting`."""
+    root = _program_schema()
+    below: dict[str, str] = {}
+    for section, schema in root["properties"].items():
+        for key in _branch(schema, None, root).get("properties", {}):
+            below.setdefault(key, f"{section}.{key}")
+    return {key: below[key] for key in below if below[key].split(".")[0] in ("layout", "variants", "split", "reach")}
+
+
+@cache
 def _program_schema() -> JsonSchema:
     return SceneProgram.model_json_schema()
 

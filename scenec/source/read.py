@@ -7,6 +7,7 @@ from pathlib import Path as FilePath
 
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.source.checks import check_program
+from scenec.source.distractors import check_distractors, with_distractors
 from scenec.source.include import load
 from scenec.source.incremental_parse import IncrementalParser
 from scenec.source.merge import resolve_overlays
@@ -51,7 +52,10 @@ def read_program(
     program, more = validate(tree, spans, derivations)
     diagnostics = (*diagnostics, *more)
     if program is not None:
-        diagnostics = (*diagnostics, *check_program(program, spans))
+        diagnostics = (*diagnostics, *check_distractors(program, spans))
+        program, spans = with_distractors(program, spans)
+        if not any_error(diagnostics):
+            diagnostics = (*diagnostics, *check_program(program, spans))
     if program is None or any_error(diagnostics):
         return ReadResult(None, spans, diagnostics)
     return ReadResult(with_pairs(program), spans, diagnostics)

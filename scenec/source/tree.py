@@ -89,6 +89,7 @@ class Spans:
 
     tree: Tree | None = None
     file: str | None = None
+    aliases: Mapping[Path, Path] = field(default_factory=dict[Path, Path])  # of generated parts: where they come from
 
     def place(self, path: Path = ()) -> Location:
         """Location of the value at `path`, or of the deepest part of the path that exists.
@@ -96,7 +97,7 @@ class Spans:
         That of a scalar is its own, that of a mapping or list is the location of its key.
         """
         at, node = Location(file=self.file, line=1, column=1), self.tree
-        for step in path:
+        for step in self._written(path):
             if isinstance(node, TreeMapping) and str(step) in node.items:
                 item = node.items[str(step)]
                 at, node = item.value.at if isinstance(item.value, Scalar) else item.at, item.value
@@ -109,10 +110,17 @@ class Spans:
 
     def key(self, path: Path) -> Location:
         """Location of the last key of `path`."""
+        path = self._written(path)
         node = child(self.tree, path[:-1])
         if path and isinstance(node, TreeMapping) and str(path[-1]) in node.items:
             return node.items[str(path[-1])].at
         return self.place(path)
+
+    def _written(self, path: Path) -> Path:
+        for length in range(min(len(path), 3), 1, -1) if self.aliases else ():
+            if path[:length] in self.aliases:
+                return (*self.aliases[path[:length]], *path[length:])
+        return path
 
 
 def child(tree: Tree | None, path: Path) -> Tree | None:

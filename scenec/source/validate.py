@@ -14,13 +14,13 @@ from pydantic_core import ErrorDetails
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.problem import Path
 from scenec.source.hint import did_you_mean
-from scenec.source.language import keys_at
 from scenec.source.tree import Scalar, Spans, Tree, TreeList, TreeMapping, child, plain, written
+from scenec.source.unknown_keys import unknown_key
+from scenec.source.value_messages import message
 from schemas.diagnostics import Diagnostic, finding
 from schemas.scene.program import LayoutNode, SceneObject, SceneProgram
 
 LONGEST_TEXT = 60
-MOST_KEYS = 16  # are listed where none is near the one written
 
 
 def validate(
@@ -84,6 +84,12 @@ class _Place(NamedTuple):
     path: Path
     fits: bool
     error: ErrorDetails
+    others: tuple[ErrorDetails, ...] = ()
+
+    @property
+    def errors(self) -> tuple[ErrorDetails, ...]:
+        """Those of all alternatives, that of the one that fits best first."""
+        return (self.error, *self.others)
 
 
 def _place(tree: Tree, error: ErrorDetails) -> _Place:
@@ -113,42 +119,39 @@ def _has_shape(mark: str, node: Tree | None) -> bool:
 
 
 def _one_each(places: list[_Place]) -> Iterator[_Place]:
-    """One error for each path, that of the alternative whose shape fits."""
+    """One place for each path, that of the alternative whose shape fits, with the errors of all alternatives there."""
     fitting = [place for place in places if place.fits]
     chosen: dict[Path, _Place] = {}
     for place in [*fitting, *(p for p in places if not any(f.path[: len(p.path)] == p.path for f in fitting))]:
         chosen.setdefault(place.path, place)
-    yield from chosen.values()
+    for path, place in chosen.items():
+        others = [other.error for other in places if other.path == path]
+        yield place._replace(others=tuple(error for error in others if error is not place.error))
 
 
 def _finding(place: _Place, tree: Tree, spans: Spans) -> Diagnostic:
     path, kind, context = place.path, place.error["type"], place.error.get("ctx", {})
     above = f"`{written(path[:-1])}`" if path[:-1] else "the program"
     if kind == "extra_forbidden":
-        known = keys_at(tree, path[:-1])
-        takes = f"; it takes {', '.join(known)}" if 0 < len(known) <= MOST_KEYS else ""
-        headline = f"`{path[-1]}` is not a key of {above}{did_you_mean(str(path[-1]), known) or takes}"
-        return finding("scene/unknown-key", headline, where=spans.key(path), bound=", ".join(known) or None)
+        return unknown_key(tree, path, spans.key(path))
     if kind == "missing" and isinstance(path[-1], str):
         return finding("scene/missing-key", f"{above} needs `{path[-1]}`", where=spans.place(path[:-1]))
     if kind == "union_tag_not_found":
         return finding("scene/missing-key", f"`{written(path)}` needs `type`", where=spans.place(path))
     if kind == "union_tag_invalid":
         tags = [tag.strip(" '") for tag in str(context["expected_tags"]).split(",")]
-        headline = f"`{written(path)}` has an unknown type{did_you_mean(str(context['tag']), tags)}"
+        takes = did_you_mean(str(context["tag"]), tags) or f"; it takes {', '.join(tags)}"
+        headline = f"`{written(path)}` has an unknown type{takes}"
         where = spans.place((*path, "type"))
         return finding("scene/invalid-value", headline, where=where, value=context["tag"], bound=", ".join(tags))
-    message = "has too few entries" if kind == "missing" else _message(place.error["msg"])
     path = path[:-1] if kind == "missing" else path
-    return finding(
-        "scene/invalid-value", f"`{written(path)}` {message}", where=spans.place(path), value=_shown(child(tree, path))
-    )
-
-
-def _message(text: str) -> str:
-    for old, new in (("Input should", "should"), ("Tuple should", "should"), (" after validation", "")):
-        text = text.replace(old, new)
-    return text[:1].lower() + text[1:]
+    node = child(tree, path)
+    if len(path) > 1 and path[-2] == "joints" and isinstance(node, TreeList):
+        headline = f"`{written(path)}`: a joint has one state in a program, no range"
+        return finding("scene/joint-state-range", headline, where=spans.place(path))
+    problem = message(place.errors, node.text if isinstance(node, Scalar) else "")
+    headline = f"{f'`{written(path)}`' if path else 'the program'} {problem}"
+    return finding("scene/invalid-value", headline, where=spans.place(path), value=_shown(node))
 
 
 def _shown(node: Tree | None) -> str | None:

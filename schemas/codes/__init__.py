@@ -17,6 +17,7 @@ from schemas.codes.plan import PLAN_CODES
 from schemas.codes.replay import REPLAY_CODES
 from schemas.codes.robot import ROBOT_CODES
 from schemas.codes.scene import SCENE_CODES
+from schemas.codes.scene_groups import SCENE_GROUP_CODES
 from schemas.codes.shape import SHAPE_CODES
 from schemas.codes.suites import SUITE_CODES
 from schemas.codes.task import TASK_CODES
@@ -31,6 +32,7 @@ CODES: dict[str, CodeInfo] = {
     **GATE_CODES,
     **GAP_CODES,
     **SCENE_CODES,
+    **SCENE_GROUP_CODES,
     **PLAN_CODES,
     **REPLAY_CODES,
     **ROBOT_CODES,

@@ -71,4 +71,10 @@ PLAN_CODES: dict[str, CodeInfo] = {
         "They were drawn from a plan with other bytes, so that this one says nothing about them.",
         "name the plan that they were drawn from, or draw them again",
     ),
+    "plan/no-view": CodeInfo(
+        "error",
+        "No drawn camera shows what it must",
+        "Cameras are drawn anew until each object is seen with the pixels demanded; in this scene no try did.",
+        "widen the ranges of the camera, or ask for fewer pixels: `cameras` in the program",
+    ),
 }

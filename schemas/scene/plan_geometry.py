@@ -145,7 +145,13 @@ def domain_of(document: PlanThing) -> Domain:
 
 
 def written_thing(
-    name: str, domain: Domain, bodies: Sequence[int], parent: str, place: int, tags: Sequence[str]
+    name: str,
+    domain: Domain,
+    bodies: Sequence[int],
+    parent: str,
+    place: int,
+    tags: Sequence[str],
+    is_frame: bool = False,
 ) -> PlanThing:
     """The document of a thing: its domain, with the numbers of its bodies and of its place."""
     return PlanThing(
@@ -162,6 +168,7 @@ def written_thing(
             for pose in domain.fixed_poses
         ),
         semantic_tags=tuple(tags),
+        is_frame=is_frame,
     )
 
 

@@ -10,6 +10,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
+from schemas.scene.cameras import Camera
 from schemas.scene.relations import Relation
 from schemas.scene.written import Distance, Length, Range, Written
 
@@ -104,6 +105,11 @@ class Background(Written):
     position: Point3 = (0.0, 0.0, 0.0)
     yaw: float | None = None
     yaw_deg: float | None = None
+    height: Range | None = Field(
+        default=None,
+        exclude_if=lambda height: height is None,
+        description="range of the height of its frame over `position`, m: plans draw it, and all on it rises",
+    )
     joints: JointPositions = Field(default={})
 
 
@@ -241,7 +247,57 @@ class SlotGroup(Written):
     assign: dict[str, str] = Field(default={})
 
 
-Group: TypeAlias = Annotated[RegionGroup | ScatterGroup | VolumeGroup | SlotGroup, Field(discriminator="type")]
+class StackGroup(Written):
+    """Members stand on one another in their order: the first on the surface, each other on the top of the one below."""
+
+    type: Literal["stack"]
+    members: tuple[str, ...] = Field(min_length=1)
+    surface: str
+    count: Annotated[int, Field(ge=1)] = Field(default=1, description="copies of each member, one above the other")
+    ranges: Ranges = Field(default=Ranges(), description="of the lowest one")
+    alignment: Distance = Field(
+        default=0.0, description="m along each axis by which an origin may be off the middle of the top below it"
+    )
+    turn_deg: Range = Field(default=(0.0, 0.0), description="heading of each relative to the one below it")
+
+
+class GridGroup(Written):
+    """Members in rows and columns; the whole grid moves and turns within `ranges`, its middle being its origin."""
+
+    type: Literal["grid"]
+    members: tuple[str, ...] = Field(min_length=1, description="one for each cell, or one for all of them")
+    surface: str
+    rows: Annotated[int, Field(ge=1)] | tuple[str, ...] = Field(description="number or names, from the front (-y)")
+    columns: Annotated[int, Field(ge=1)] | tuple[str, ...] = Field(description="number or names, from the left (-x)")
+    pitch: tuple[Length, Length] = Field(description="distance of origins along x and y of the grid")
+    order: Literal["rows", "columns"] = Field(default="rows", description="what the members fill first")
+    ranges: Ranges = Ranges()
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """Names of the rows; `row_1`, `row_2` where only their number is written."""
+        return _numbered("row", self.rows) if isinstance(self.rows, int) else self.rows
+
+    @property
+    def column_names(self) -> tuple[str, ...]:
+        """Names of the columns; `column_1`, `column_2` where only their number is written."""
+        return _numbered("column", self.columns) if isinstance(self.columns, int) else self.columns
+
+    def cells(self) -> tuple[tuple[int, int], ...]:
+        """Row and column of each cell, in the order in which members fill them."""
+        rows, columns = range(len(self.row_names)), range(len(self.column_names))
+        if self.order == "rows":
+            return tuple((r, c) for r in rows for c in columns)
+        return tuple((r, c) for c in columns for r in rows)
+
+
+def _numbered(word: str, count: int) -> tuple[str, ...]:
+    return tuple(f"{word}_{k}" for k in range(1, count + 1))
+
+
+Group: TypeAlias = Annotated[
+    RegionGroup | ScatterGroup | VolumeGroup | SlotGroup | StackGroup | GridGroup, Field(discriminator="type")
+]
 
 
 class Layout(Written):
@@ -266,6 +322,16 @@ class KeepClearRule(Written):
 
     object: str
     joint: str
+
+
+class Distractors(Written):
+    """Objects beside the task: between the two numbers of `count` of them in each draw, each any asset of the pool."""
+
+    id: str
+    pool: tuple[str, ...] = Field(min_length=1, description="ids of assets that the task does not use")
+    count: tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=1)]] = Field(description="least and most")
+    surface: str
+    ranges: Ranges = Ranges()
 
 
 class Reach(Written):
@@ -357,6 +423,8 @@ class SceneProgram(Written):
     clearance: Distance = 0.01
     keep_outs: tuple[KeepOut, ...] = ()
     keep_clear: tuple[KeepClearRule, ...] = Field(default=(), exclude_if=lambda rules: not rules)
+    distractors: tuple[Distractors, ...] = Field(default=(), exclude_if=lambda rules: not rules)
     reach: Reach | None = None
+    cameras: tuple[Camera, ...] = Field(default=(), exclude_if=lambda cameras: not cameras)
     variants: Variants = Variants()
     split: Split = Split()

@@ -19,7 +19,8 @@ class RelationWord:
     """A row of the table. `kind` names the file of its meaning and the relation that the compiler works with; several
     words may share one, `reverse` ones with their members in reverse. `members` are the least and the largest number
     of them (None: any). Of `needs` exactly one key must be written; a key of `only_with` counts only with another;
-    `radians` are keys that hold angles and have a twin in degrees."""
+    `radians` are keys that hold angles and have a twin in degrees. With `parts` the first member may name a part of
+    its asset (`mug.handle`)."""
 
     word: str
     kind: str
@@ -29,6 +30,7 @@ class RelationWord:
     only_with: tuple[tuple[str, str], ...] = ()
     radians: tuple[str, ...] = ()
     reverse: bool = False
+    parts: bool = False
 
 
 _DIRECTIONAL = frozenset({"gap", "frame", "viewpoint"})
@@ -40,7 +42,9 @@ RELATION_WORDS = (
     RelationWord("near", "near", keys=frozenset({"distance"}), needs=("distance",)),
     RelationWord("far_from", "far_from", keys=frozenset({"distance"}), needs=("distance",)),
     RelationWord("aligned", "aligned", (2, None), frozenset({"axis", "tolerance", "frame"})),
-    RelationWord("facing", "facing", keys=frozenset({"tolerance", "tolerance_deg"}), radians=("tolerance",)),
+    RelationWord(
+        "facing", "facing", keys=frozenset({"tolerance", "tolerance_deg"}), radians=("tolerance",), parts=True
+    ),
     RelationWord("between", "between", (3, 3), frozenset({"tolerance"})),
     RelationWord("above", "above", keys=frozenset({"gap", "overlap"})),
     RelationWord("below", "above", keys=frozenset({"gap", "overlap"}), reverse=True),

@@ -17,6 +17,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.scene.cameras import Camera
 from schemas.scene.compiled import Point2, Point3, Quat_wxyz
 from schemas.scene.geometry import Prism
 from schemas.scene.program import Inline, Lighting, PairedMaterial
@@ -112,6 +113,11 @@ class PlanThing(_Model):
     stances: tuple[int, ...] = (0,)
     spots: tuple[PlanSpot, ...] = ()
     semantic_tags: tuple[str, ...] = ()
+    is_frame: bool = Field(
+        default=False,
+        exclude_if=lambda is_frame: not is_frame,
+        description="the common frame of the members of a grid: drawn like a thing, but no object",
+    )
 
 
 class PlanRelation(_Model):
@@ -148,6 +154,14 @@ class PlanKeepClear(_Model):
     joint: str
     links: tuple[str, ...]
     layers: tuple[PlanLayer, ...]
+
+
+class PlanDistractors(_Model):
+    """Things of which `least` to `most` are present in a sample, the number drawn uniformly."""
+
+    things: tuple[str, ...]
+    least: int
+    most: int
 
 
 class PlanReach(_Model):
@@ -195,9 +209,30 @@ class PlanCombination(_Model):
     relations: tuple[PlanRelation, ...] = ()
     keep_outs: tuple[PlanKeepOut, ...] = ()
     keep_clear: tuple[PlanKeepClear, ...] = Field(default=(), exclude_if=lambda rules: not rules)
+    rise_m: float = Field(
+        default=0.0,
+        exclude_if=lambda rise: rise == 0.0,
+        description="by how much a sample may raise the background and all that stands on it, m",
+    )
+    stacks: tuple[tuple[str, ...], ...] = Field(
+        default=(),
+        exclude_if=lambda stacks: not stacks,
+        description="things that stand on one another, the lowest first",
+    )
+    distractors: tuple[PlanDistractors, ...] = Field(default=(), exclude_if=lambda rules: not rules)
     reach: PlanReach | None = None
     materials: tuple[str, ...] = Field(default=(), description="ids of the paired materials that fit its assets")
     lighting: tuple[str, ...] = Field(default=(), description="ids of the lightings valid with it")
+
+    @property
+    def objects(self) -> tuple[PlanThing, ...]:
+        """The things that are objects: all but the frames of grids."""
+        return tuple(thing for thing in self.things if not thing.is_frame)
+
+    def standing_on(self, thing: PlanThing) -> tuple[str, int]:
+        """Owner and place on which a thing stands: those of its grid for the members of one."""
+        frame = next((other for other in self.things if other.is_frame and other.id == thing.parent), thing)
+        return frame.parent, frame.place
 
 
 class PlanProvenance(_Model):
@@ -221,5 +256,6 @@ class RuntimePlan(_Model):
     combinations: tuple[PlanCombination, ...]
     materials: tuple[PairedMaterial, ...] = ()
     lighting: tuple[Lighting, ...] = ()
+    cameras: tuple[Camera, ...] = Field(default=(), exclude_if=lambda cameras: not cameras)
     split: dict[str, tuple[str, ...]] = Field(default={}, description="asset ids for train and eval; empty: all")
     provenance: PlanProvenance

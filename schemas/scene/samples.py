@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from schemas.scene.camera_pose import CameraPose
 from schemas.scene.compiled import Point3, Quat_wxyz
 
 SCHEMA_VERSION = "1.0"
@@ -41,6 +42,12 @@ class SceneSample(_Model):
     case: tuple[int, ...]
     objects: dict[str, SampledObject]
     lighting: SampledLighting | None = None
+    cameras: dict[str, CameraPose] = Field(default={}, exclude_if=lambda cameras: not cameras)
+    rise_m: float = Field(
+        default=0.0,
+        exclude_if=lambda rise: rise == 0.0,
+        description="height of the background over its lowest one; positions count it in",
+    )
     background: str | None = None
     background_material: str | None = None
 

@@ -43,7 +43,7 @@ def test_a_joint_beyond_its_limits_is_told_where_it_is_written(library: AssetLib
 def test_a_range_of_positions_is_no_position(library: AssetLibrary, tmp_path: Path):
     text = OVEN.replace("turn: 0.4", "turn: [0, 0.4]")
     (finding,) = compiled(text, tmp_path, library).report.diagnostics
-    assert finding.code == "scene/invalid-value"
+    assert finding.code == "scene/joint-state-range"
     assert "joints.turn" in finding.headline
 
 

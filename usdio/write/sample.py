@@ -27,7 +27,8 @@ _ROOT = Sdf.Path("/World")
 class SampleEdit:
     """The edit of one object: its pose in W (None: as compiled), its package, and its sampled material.
 
-    `contact` is the resulting contact with `material`; `density_factor` multiplies mass and inertia.
+    `contact` is the resulting contact with `material`; `density_factor` multiplies mass and inertia. One that
+    `is_absent` is taken out of the stage.
     """
 
     name: str
@@ -37,6 +38,7 @@ class SampleEdit:
     material: PairedMaterial | None = None
     contact: Contact | None = None
     density_factor: float = 1.0
+    is_absent: bool = False
 
 
 def write_sample(
@@ -87,6 +89,9 @@ def _author(
 
 
 def _edit(stage: Usd.Stage, prim: Usd.Prim, edit: SampleEdit, packages: Path, folder: Path) -> None:
+    if edit.is_absent:  # a distractor that was not drawn
+        prim.SetActive(False)
+        return
     if edit.package is not None:
         main = min((packages / edit.package / USD_FOLDER).glob("*.usda"))
         main_path = Path(os.path.relpath(main, folder)).as_posix()

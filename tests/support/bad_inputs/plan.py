@@ -36,6 +36,7 @@ SAMPLES: dict[str, str | None] = {
     "plan/changed-package": changed(_packaged),
 }
 NOT_FROM_A_PLAN: dict[str, str] = {
+    "plan/no-view": "tests/runtime_plan/test_cameras.py",
     "plan/unreadable-samples": "tests/runtime_plan/test_samples_file.py",
     "plan/other-plan": "tests/runtime_plan/test_samples_file.py",
     "plan/unknown-choice": "tests/runtime_plan/test_restriction.py",

@@ -95,6 +95,14 @@ SAMPLES: dict[str, Text] = {
     "scene/relation-words": SOUND + "relations: [{left_of: [a, b], behind: [a, b]}]\n",
     "scene/relation-self": SOUND + "relations: [{left_of: [a, a]}]\n",
     "scene/option-without-effect": SOUND + "relations: [{left_of: [a, b], distance: 0.1}]\n",
+    "scene/distractor-overlap": SOUND
+    + "distractors: [{id: d, pool: [cube], count: [0, 2], surface: tabletop}]\nsplit: {eval: [cube]}\n",
+    "scene/distractor-named": SOUND
+    + "distractors: [{id: d, pool: [cube], count: [0, 2], surface: tabletop}]\nrelations: [{left_of: [a, d]}]\n",
+    "scene/robot-reach": SOUND + "reach: {base: [0, 0, 0], radius: 0.8, robot: panda}\n",
+    "scene/joint-state-range": jointed("drawer_unit", "{drawer_1: [0.1, 0.2]}"),
+    "scene/grid-size": GROUPED
+    + "    rack: {type: grid, members: [a, b, c], surface: tabletop, rows: 2, columns: 2, pitch: [0.2, 0.2]}\n",
     "scene/too-many": GROUPED + "    many: {type: scatter, members: [a, b, c], surface: tabletop, count: 1000000000}\n",
 }
 
@@ -122,6 +130,10 @@ BOUND: dict[str, Text] = {
     ),
     "scene/leaning-anchor": jointed("chest", "{lid: 1.0}", ON_LID),
     "scene/no-swept-volume": jointed("chest", "{}") + "keep_clear: [{object: a, joint: lid}]\n",
+    "scene/unknown-part": SOUND + "relations: [{facing: [a.handle, b]}]\n",
+    "scene/part-without-direction": pool("mug") + "relations: [{facing: [a.lid, b]}]\n",
+    "scene/stack-unsteady": GROUPED
+    + "    pile: {type: stack, members: [a, b, c], surface: tabletop, alignment: 0.03}\n",
     "scene/union-footprints": pool(*CUBES, of="b", text=pool(*CUBES)),
 }
 
@@ -136,6 +148,9 @@ VERDICTS: dict[str, Text] = {
     # b is to turn its front to a, which is behind it, and may not turn.
     "scene/infeasible": placed(a="{x: [-0.3, -0.2], yaw: [0, 0]}", b="{x: [0.2, 0.3], yaw: [0, 0]}")
     + "relations: [{facing: [b, a]}]\n",
+    "scene/no-view": SOUND
+    + "cameras: [{id: c, position: {x: [2, 2], y: [0, 0], z: [1, 1]}, look_at: [4, 0, 1], fov_deg: [50, 50],\n"
+    + "  size: [64, 48], visible: [{object: a, pixels: 5}]}]\n",
     # Three of 10 cm in a row of 30 cm with 1 cm between them: a little too tight, which no argument shows so far.
     "scene/budget-exhausted": placed(a=STRIP, b=STRIP, c=STRIP),
 }

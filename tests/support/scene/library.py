@@ -66,7 +66,7 @@ def open_bin(library: Path, asset_id: str = "bin", floor_m: float | None = None)
 
 def library(folder: Path, cubes: int = 17) -> Path:
     """All of them: `cube`, `cube_0` and on, `rod`, `bin`, `bowl` (round), `doubtful` (in review), `tried` (exercised
-    over ranges), `torn`, and the articulated ones."""
+    over ranges), `mug` (with parts), `torn`, and the articulated ones."""
     cube(folder)
     cube(folder, "doubtful", outcome="review")
     tried(folder)
@@ -76,9 +76,28 @@ def library(folder: Path, cubes: int = 17) -> Path:
     open_bin(folder)
     open_bin(folder, "bowl", floor_m=0.02)
     articulated_library(folder)
+    mug(folder)
     (folder / "torn").mkdir()
     (folder / "torn" / "record.json").write_text("{")
     return folder
+
+
+def mug(library: Path) -> None:
+    """A block with a handle toward +y, and a lid over its origin."""
+    block(library, "mug", (0.06, 0.08, 0.09))
+    file = library / "mug" / "record.json"
+    record = json.loads(file.read_text())
+    measured = {"source": "measured", "method": "test", "confidence": 1.0}
+    boxes = {"handle": ([-0.01, 0.03, 0.02], [0.01, 0.05, 0.07]), "lid": ([-0.03, -0.03, 0.09], [0.03, 0.03, 0.09])}
+    record["parts"] = [
+        {"value": {"part_id": f"part_{k}", "label": {"value": name, **measured}, "name": name, "sources": ["shape"],
+                   "faces": [], "triangles": 1, "area_m2": 0.001, "low_m": low, "high_m": high}, **measured}
+        for k, (name, (low, high)) in enumerate(boxes.items())
+    ]  # fmt: skip
+    spout = {"kind": "spout", "affordance_id": "spout_0", "task": "pour", "interaction": "tilt", "size_m": 0.01}
+    spout |= {"position_m": [-0.03, 0.0, 0.09], "direction": [-1, 0, 0], "outline_m": []}
+    record["affordances"] = [{"value": spout, **measured}]
+    file.write_text(json.dumps(record))
 
 
 def tried(library: Path) -> None:

@@ -1,0 +1,1 @@
+"""Tests of single constructs of the scene language."""
