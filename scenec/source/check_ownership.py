@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import networkx as nx
-
 from scenec.ir.names import Names, anchor_named, kind_of, upright
 from scenec.ir.problem import Path
 from scenec.source.hint import did_you_mean
@@ -120,13 +118,24 @@ def _anchor(names: Names, name: str, kind: str, spans: Spans, path: Path) -> Ite
 
 
 def _circles(names: Names, spans: Spans) -> Iterator[Diagnostic]:
-    graph: nx.DiGraph = nx.DiGraph()
+    owners: dict[str, str] = {}
     for node in names.program.layout.nodes:
         anchor = names.anchor_of(node)
         owner = names.owner(anchor) if anchor is not None else None
-        if owner not in (None, BACKGROUND):
-            graph.add_edges_from((thing, owner) for thing in names.copies[node])
-    for circle in nx.simple_cycles(graph) if graph else ():  # Each thing has one owner, so that cycles are disjoint.
+        if owner is not None and owner != BACKGROUND:
+            owners |= dict.fromkeys(names.copies[node], owner)
+    passed: set[str] = set()
+    for (
+        thing
+    ) in owners:  # Each thing has one owner, so that a way upward ends or meets itself, and circles are disjoint.
+        at, way = thing, list[str]()
+        while at in owners and at not in passed:
+            passed.add(at)
+            way.append(at)
+            at = owners[at]
+        if at not in way:
+            continue
+        circle = way[way.index(at) :]
         start = circle.index(min(circle))
         chain = [*circle[start:], *circle[:start], circle[start]]
         headline = f"{' stands on '.join(f'`{thing}`' for thing in chain)}"
