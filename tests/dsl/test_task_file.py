@@ -157,8 +157,8 @@ def test_odd_conditions_are_refused_without_a_word_of_python(success: str, tmp_p
 
 
 def test_the_examples_are_read_without_a_finding() -> None:
-    examples = sorted((Path(__file__).parents[2] / "examples" / "tasks").glob("*.yaml"))
-    assert len(examples) >= 3
+    examples = sorted((Path(__file__).parents[2] / "examples" / "tasks").rglob("*.yaml"))
+    assert len(examples) >= 15
     for example in examples:
         file, diagnostics = read_task(example, benchmark=True)
         assert file is not None
