@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 from rich.markup import escape
@@ -109,6 +110,60 @@ def graph_command(
     for a, b in edges:
         print(f"  {json.dumps(a)} -> {json.dumps(b)};")
     print("}")
+
+
+@app.command("export")
+def export_command(
+    pipeline: PipelinePath,
+    out: Annotated[Path, typer.Option("--out", help="Folder for a file of each environment.")],
+    assets: Annotated[str, typer.Option("--assets", help="Where the packages lie for Arena.")] = "packages",
+    lossy: Annotated[
+        bool, typer.Option("--lossy", help="Write what Arena can hold, with a list of what is lost.")
+    ] = False,
+    root: Root = None,
+    benchmark: Benchmark = False,
+    as_json: AsJson = False,
+) -> None:
+    """Write each environment as a graph of Isaac Lab Arena (YAML): one stage, a chain, or stages in any order.
+
+    Arena has no partial order: other tasks are refused, or lose their edges with --lossy. Exit code 1 when an
+    environment is refused.
+
+    Example: `mana pipeline export examples/pipelines/pick_place/pipeline.yaml --out arena --lossy`
+    """
+    from dsl.arena import NotExportable, export_environment
+    from jobs.cache import write_atomically
+
+    orders = _sound(pipeline, root, benchmark)
+    rows: list[dict[str, object]] = []
+    for assembly in orders.assemblies:
+        try:
+            graph = export_environment(orders, assembly, assets, lossy=lossy)
+        except NotExportable as refused:
+            rows.append({"environment": assembly.name, "file": None, "lost": str(refused).splitlines()})
+            continue
+        file = out / f"{assembly.name}.yaml"
+        write_atomically(file, yaml_text(graph.document).encode())
+        rows.append({"environment": assembly.name, "file": str(file), "lost": list(graph.lost)})
+    if as_json:
+        print(json.dumps({"environments": rows}, indent=1))
+    else:
+        for row in rows:
+            words = "refused" if row["file"] is None else f"written to {row['file']}"
+            text.console.print(escape(f"{row['environment']}: {words}"), soft_wrap=True)
+            for line in cast(list[str], row["lost"]):
+                text.console.print(escape(f"  not held: {line}"), soft_wrap=True)
+    raise typer.Exit(1 if any(row["file"] is None for row in rows) else 0)
+
+
+def yaml_text(document: dict[str, Any]) -> str:
+    """A document as YAML in block style."""
+    from ruamel.yaml import YAML
+
+    yaml, stream = YAML(typ="safe", pure=True), io.StringIO()
+    yaml.default_flow_style = False
+    yaml.dump(document, stream)
+    return stream.getvalue()
 
 
 def _read(pipeline: Path, root: Path | None, benchmark: bool) -> tuple[Orders | None, tuple[Diagnostic, ...]]:

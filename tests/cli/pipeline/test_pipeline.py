@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from ruamel.yaml import YAML
 from typer.testing import CliRunner
 
 from cli.main import app
@@ -47,3 +48,19 @@ def test_every_command_has_json(command: str, tmp_path: Path) -> None:
     code, output = run(command, write(SOUND, tmp_path), "--json")
     assert code == 0
     json.loads(output)
+
+
+def test_export_writes_what_arena_holds_and_names_the_rest(tmp_path: Path) -> None:
+    text = SOUND.replace("{type: cylinder, radius_m: 0.04, height_m: 0.1}", "cup_a")
+    text = text.replace("_func: upright, object", "_func: held_by, object")
+    file = write(text, tmp_path)
+    code, output = run("export", file, "--out", tmp_path / "arena", "--json")
+    (row,) = json.loads(output)["environments"]
+    assert (code, row["file"]) == (1, None)
+    assert "the object `can`: an inline shape is no package" in row["lost"]
+    code, output = run("export", file, "--out", tmp_path / "arena", "--lossy")
+    assert code == 0
+    assert "not held: the background" in output
+    document = YAML(typ="safe").load(tmp_path / "arena" / "env.yaml")
+    assert document["task"]["subtasks"][0]["kind"] == "LiftObjectTask"
+    assert document["objects"][0]["params"]["usd_path"] == "packages/cup_a/usd/cup_a.usda"
