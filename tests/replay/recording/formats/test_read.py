@@ -173,8 +173,8 @@ def test_a_link_within_the_file_does_not_lead_out_of_it_through_another(tmp_path
 def test_a_model_that_is_no_utf8_is_read_with_marks_or_refused(tmp_path: Path):
     path = replay_samples.robomimic(tmp_path / "demo.hdf5")
     with h5py.File(path, "a") as file:
-        model = file["data/demo_9"].attrs["model_file"]
-        odd = (model.encode() if isinstance(model, str) else model).replace(b'model="', b'model="\x80', 1)
+        model = hdf5.text(file["data/demo_9"].attrs["model_file"]).encode()
+        odd = model.replace(b'model="', b'model="\x80', 1)
         assert b"\x80" in odd
         kind = h5py.string_dtype("utf-8")
         file["data/demo_9"].attrs.create("model_file", np.array(odd, dtype=object), dtype=kind)
