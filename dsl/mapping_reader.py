@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from scenec.source.hint import did_you_mean
-from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 from schemas.diagnostics import Diagnostic, Location, finding
+from source.hint import did_you_mean
+from source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 
 LONGEST_SHOWN = 60
 

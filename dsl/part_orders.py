@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 from dsl.mapping_reader import MappingReader
 from dsl.task_file import TaskFile, task_of
 from scenec.source.checks import check_program
-from scenec.source.include import lift_definition
-from scenec.source.tree import Scalar, Spans, Tree, TreeList, TreeMapping, child, plain
+from scenec.source.language import SECTIONS
 from scenec.source.validate import validate
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.scene.program import SceneProgram
 from schemas.task.orders import RobotOrder, SceneOrder, TaskNodeOrder, TaskOrder
+from source.include import lift_definition
+from source.tree import Scalar, Spans, Tree, TreeList, TreeMapping, child, plain
 
 NAME, GRIPPER = "name", "gripper_variant"
 FRAGMENT_NAMES = {"scene": (("definition", "scene_type"), ("scene",)), "robot": (("robot",),), "task": (("task",),)}
@@ -77,7 +78,7 @@ def without(tree: TreeMapping, *keys: str) -> TreeMapping:
 
 
 def _scene(name: str, tree: TreeMapping, findings: list[Diagnostic]) -> tuple[SceneOrder, SceneProgram] | None:
-    program_tree = lift_definition(without(tree, NAME), findings)
+    program_tree = lift_definition(without(tree, NAME), SECTIONS, findings)
     spans = Spans(program_tree, tree.at.file)
     program, diagnostics = validate(program_tree, spans)
     findings += diagnostics

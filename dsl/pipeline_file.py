@@ -16,14 +16,14 @@ import numpy as np
 from dsl.mapping_reader import MappingReader, place
 from dsl.part_orders import Parts, read_part
 from dsl.task_file import TaskFile
-from scenec.source.hint import did_you_mean
-from scenec.source.include import load
-from scenec.source.merge import resolve_overlays
-from scenec.source.tree import Scalar, Tree, TreeMapping, plain
 from schemas.diagnostics import Diagnostic, Label, Location, any_error, finding
 from schemas.scene.program import SceneProgram
 from schemas.task.orders import AssemblyOrder, Mode, Orders, RolloutOrder
 from schemas.task.scene_facts import ObjectFacts, SceneFacts
+from source.hint import did_you_mean
+from source.include import load
+from source.merge import resolve_overlays
+from source.tree import Scalar, Tree, TreeMapping, plain
 from task.roles import MARK, bind_roles
 
 PARTS = {"scene_orders": "scene", "robot_orders": "robot", "task_orders": "task"}

@@ -10,9 +10,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from dsl.mapping_reader import MappingReader, place, shown
-from scenec.source.hint import did_you_mean
-from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping, child, plain
 from schemas.diagnostics import Diagnostic, Location, finding
+from source.hint import did_you_mean
+from source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping, child, plain
 from task.predicates.protocol import Predicate
 from task.predicates.table import ALIASES, FUNC, PREDICATES
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from dsl.mapping_reader import MappingReader, place
 from dsl.predicate_reader import read_predicate
-from scenec.source.hint import did_you_mean
-from scenec.source.include import load
-from scenec.source.merge import resolve_overlays
-from scenec.source.tree import Scalar, Tree, TreeList, TreeMapping
 from schemas.diagnostics import Diagnostic, Location, any_error, finding
+from source.hint import did_you_mean
+from source.include import load
+from source.merge import resolve_overlays
+from source.tree import Scalar, Tree, TreeList, TreeMapping
 from task.graph import WHOLE, TaskGraph, TaskNode, graph_faults
 
 FILE_KEYS = ("task", "instruction", "time_limit_s", "failure", "roles", "graph_task_generator")

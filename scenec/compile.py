@@ -24,14 +24,15 @@ from scenec.explain.report import conflict_members, failure_finding, verdict_of
 from scenec.explain.suggestions import MOST_SUGGESTIONS, suggestions, without_swept_spaces
 from scenec.explain.verdicts import verdicts
 from scenec.ir.derivation_cache import DerivationCache
-from scenec.ir.problem import Exhausted, Infeasible, Path, Placement, Problem, Proof, Result, Solved
+from scenec.ir.problem import Exhausted, Infeasible, Placement, Problem, Proof, Result, Solved
 from scenec.plan.document import runtime_plan
 from scenec.solve import DEFAULT_BUDGET, ComponentCache, solve
-from scenec.source.incremental_parse import IncrementalParser
 from scenec.source.read import ReadResult, read_program
 from schemas.diagnostics import Diagnostic, any_error
 from schemas.scene.compiled import CompiledScene, CompileReport, Suggestion
 from schemas.scene.runtime_plan import RuntimePlan
+from source.incremental_parse import IncrementalParser
+from source.tree import Path
 
 EXPLAIN_BUDGET = 2_000  # steps of each solve while explaining why there is no scene
 

@@ -8,7 +8,7 @@ from scenec.bind.asset_library import AssetLibrary
 from scenec.compile import Compiled, compile_program
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.solve import DEFAULT_BUDGET, ComponentCache
-from scenec.source.incremental_parse import IncrementalParser
+from source.incremental_parse import IncrementalParser
 
 
 class Session:

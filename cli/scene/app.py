@@ -206,7 +206,7 @@ def explain_command(
 
     Example: `mana scene explain scene/relation-cycle`
     """
-    from scenec.source.hint import did_you_mean
+    from source.hint import did_you_mean
 
     info = code_info(code)
     if info is None:

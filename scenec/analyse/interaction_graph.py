@@ -13,11 +13,12 @@ from typing import Literal
 
 import networkx as nx
 
-from scenec.ir.problem import Path, Problem
+from scenec.ir.problem import Problem
 from scenec.relations.table import RELATIONS
 from scenec.solve.coupling import components_of, overlapping
 from scenec.solve.model import model_of
 from schemas.scene.geometry import BACKGROUND
+from source.tree import Path
 
 EdgeKind = Literal["support", "containment", "overlap", "relation", "group"]
 STYLE: dict[EdgeKind, str] = {

@@ -22,7 +22,6 @@ from scenec.bind.primitives import UPRIGHT, shape_of, stable_quats_wxyz, top_of
 from scenec.bind.prisms import scaled, stance_of
 from scenec.ir.problem import Body
 from scenec.ir.single_assets import SingleAsset
-from scenec.source.hint import did_you_mean
 from schemas.anchors import Anchor, ContainmentVolume, SupportSurface
 from schemas.asset import AssetRecord
 from schemas.diagnostics import InvalidInput, Severity, finding
@@ -32,6 +31,7 @@ from schemas.outcome import ItemOutcome
 from schemas.physics import CollisionShape
 from schemas.scene.geometry import ScenePlace, Stance
 from schemas.scene.program import AuthoredPolygon, FixedAsset, Inline, Orientation
+from source.hint import did_you_mean
 from usdio.reread.body import Linkage, reread_body, reread_linkage
 
 MOST_SEEN = 5_000

@@ -7,11 +7,11 @@ from math import atan2, hypot
 import numpy as np
 
 from scenec.ir.problem import Body
-from scenec.source.hint import did_you_mean
 from schemas.affordances import Region
 from schemas.asset import AssetRecord
 from schemas.diagnostics import InvalidInput, finding
 from schemas.parts import UNLABELLED
+from source.hint import did_you_mean
 
 LEAST_M = 2e-3  # a part nearer to the vertical through the origin has no direction
 AssetParts = tuple[tuple[str, tuple[float, float]], ...]  # names, each with the middle in x and y

@@ -22,9 +22,8 @@ from scenec.bind.variants import AS_WRITTEN, ASSETS, Choice
 from scenec.bind.written_poses import domain_at, fixed_pose_of, orientation_of, world_pose_of, yaw_of, yaw_range_of
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.names import Names, anchor_named, kind_of
-from scenec.ir.problem import Body, Path, Problem, Thing, is_round, level_share
+from scenec.ir.problem import Body, Problem, Thing, is_round, level_share
 from scenec.ir.single_assets import SingleAsset
-from scenec.source.tree import Spans
 from schemas.diagnostics import Diagnostic, InvalidInput, Label, any_error, finding
 from schemas.scene.geometry import (
     BACKGROUND,
@@ -46,6 +45,7 @@ from schemas.scene.program import (
     SlotGroup,
     StackGroup,
 )
+from source.tree import Path, Spans
 
 RESTS_DEG = 3.0  # largest tilt of a thing when it is released (design: a scene settles)
 

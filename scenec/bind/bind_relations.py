@@ -9,12 +9,12 @@ import numpy as np
 
 from scenec.bind.asset_parts import heading_of_part
 from scenec.ir.names import WORLD, Names, upright
-from scenec.ir.problem import Path, Thing
+from scenec.ir.problem import Thing
 from scenec.relations.table import WRITTEN_RELATIONS
-from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.scene.geometry import BACKGROUND, SceneRelation
 from schemas.scene.relations import Relation
+from source.tree import Path, Spans, written
 
 MAX_RELATIONS = 50_000
 

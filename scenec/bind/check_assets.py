@@ -6,14 +6,13 @@ from collections.abc import Iterator
 from typing import get_args
 
 from scenec.bind.asset_library import AssetLibrary
-from scenec.ir.problem import Path
 from scenec.ir.single_assets import single_assets
-from scenec.source.hint import did_you_mean
 from scenec.source.listing import written_assets
-from scenec.source.tree import Spans
 from schemas.asset import Role
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.scene.program import Asset, FixedAsset, PoolAsset, SceneProgram
+from source.hint import did_you_mean
+from source.tree import Path, Spans
 
 ROLES: tuple[str, ...] = get_args(Role)
 

@@ -7,12 +7,11 @@ from collections.abc import Iterator
 from scenec.bind.asset_library import AssetLibrary
 from scenec.bind.joint_states import joint_named, joint_state, unknown_joint
 from scenec.ir.names import Names
-from scenec.ir.problem import Path
 from scenec.ir.single_assets import SingleAsset, single_assets
-from scenec.source.tree import Spans
 from schemas.diagnostics import Diagnostic
 from schemas.scene.geometry import BACKGROUND
 from schemas.scene.program import FixedAsset, SceneProgram
+from source.tree import Path, Spans
 
 
 def check_joints(names: Names, library: AssetLibrary, spans: Spans) -> tuple[Diagnostic, ...]:

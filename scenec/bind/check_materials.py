@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from scenec.bind.asset_library import AssetLibrary, Geometry
 from scenec.ir.single_assets import single_assets
 from scenec.source.listing import written_assets
-from scenec.source.tree import Spans
 from schemas.diagnostics import Diagnostic, InvalidInput, finding
 from schemas.exercised import ExercisedRange
 from schemas.scene.geometry import BACKGROUND
 from schemas.scene.program import PairedMaterial, SceneProgram
+from source.tree import Spans
 
 
 def check_materials(program: SceneProgram, library: AssetLibrary, spans: Spans) -> tuple[Diagnostic, ...]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from scenec.bind.variants import AS_WRITTEN, ASSETS, BACKGROUND_POOL, BACKGROUNDS, slot_key
-from scenec.ir.problem import Path
 from schemas.scene.program import Asset, PoolAsset, SceneProgram
+from source.tree import Path
 
 
 def chosen_paths(program: SceneProgram, combination: Mapping[str, str]) -> dict[str, Path]:

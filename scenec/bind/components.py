@@ -17,9 +17,9 @@ from scenec.bind.variants import MAX_COMBINATIONS, Combination, VariantSpace
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.ir.names import Names
 from scenec.ir.problem import Problem
-from scenec.source.tree import Spans
 from schemas.diagnostics import Diagnostic, InvalidInput, any_error, finding
 from schemas.scene.program import SceneProgram
+from source.tree import Spans
 
 MAX_PROBES = 64  # lowerings that determine which things may meet; with more, all is one component
 

@@ -14,9 +14,9 @@ import numpy as np
 from geom.mechanism_pose import joint_positions, link_motions, movable_joints
 from geom.pose import apply
 from scenec.source.check_units import MOST_ANGLE_RAD
-from scenec.source.hint import did_you_mean
 from schemas.diagnostics import Diagnostic, finding
 from schemas.mechanism import Mechanism, MechanismJoint
+from source.hint import did_you_mean
 
 JointState: TypeAlias = tuple[tuple[str, float], ...]
 """(joint, position in m or rad) of the joints whose positions are written, by name; empty: all at rest."""

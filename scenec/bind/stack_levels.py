@@ -18,10 +18,11 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import Body, Path
+from scenec.ir.problem import Body
 from schemas.arrays import FloatArray
 from schemas.scene.geometry import Domain, ScenePlace, Stance
 from schemas.scene.program import StackGroup
+from source.tree import Path
 
 LEVEL = "stack"  # name of the place on the thing below
 TURN_STEP_RAD = radians(2.0)  # between two headings of which the outlines are compared

@@ -6,7 +6,7 @@ import numpy as np
 
 from geom.pose import pose
 from scenec.bind.asset_library import swing_and_yaw
-from scenec.ir.problem import Body, Path
+from scenec.ir.problem import Body
 from schemas.arrays import FloatArray
 from schemas.scene.geometry import Domain, FixedPose
 from schemas.scene.program import (
@@ -22,6 +22,7 @@ from schemas.scene.program import (
     SlotGroup,
     StackGroup,
 )
+from source.tree import Path
 
 FULL_TURN = 2.0 * np.pi
 

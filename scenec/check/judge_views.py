@@ -13,13 +13,13 @@ from runtime_plan.cameras import TRIES, SceneBody, bodies_of, view
 from runtime_plan.plan import prepare
 from runtime_plan.sampler import sample
 from scene_check.views import pixels_by_object
-from scenec.source.tree import Spans
 from schemas.diagnostics import Diagnostic, finding
 from schemas.scene.cameras import Camera
 from schemas.scene.compiled import CompiledScene, PlacedObject
 from schemas.scene.geometry import BACKGROUND
 from schemas.scene.program import SceneProgram
 from schemas.scene.runtime_plan import RuntimePlan
+from source.tree import Spans
 
 JUDGED_DRAWS = 64  # scenes of a plan in which every camera must have a view
 

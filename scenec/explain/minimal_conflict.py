@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from scenec.ir.problem import Infeasible, Path, Problem, Proof, Result, Solved
+from scenec.ir.problem import Infeasible, Problem, Proof, Result, Solved
 from scenec.ir.relaxed import nodes, relaxed, rules
 from scenec.proofs import refutation
+from source.tree import Path
 
 Feasible = Callable[[Problem], Result]
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from scenec.ir.problem import Infeasible, Path, Problem, Result, Solved
-from scenec.source.tree import Spans, written
+from scenec.ir.problem import Infeasible, Problem, Result, Solved
 from schemas.codes import CODES
 from schemas.diagnostics import Diagnostic, Label, finding
 from schemas.scene.compiled import ConflictMember, Suggestion, Verdict
+from source.tree import Path, Spans, written
 
 _MOST_CHOICES = 4  # whose lines are shown
 

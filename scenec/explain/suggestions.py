@@ -14,14 +14,14 @@ from itertools import islice
 import numpy as np
 
 from scenec.explain.minimal_conflict import Conflict, Feasible
-from scenec.ir.problem import Path, Problem, Solved, Thing
+from scenec.ir.problem import Problem, Solved, Thing
 from scenec.ir.relaxed import CLEARANCE, relaxed
 from scenec.proofs import prove_cheaply
 from scenec.relations.protocol import SUGGESTION_STEP_M, WIDEST_M, WeakerNumber
 from scenec.relations.table import RELATIONS
-from scenec.source.tree import written
 from schemas.scene.compiled import Suggestion
 from schemas.scene.geometry import BACKGROUND, Domain, ScenePlace, SceneRelation
+from source.tree import Path, written
 
 MOST_SUGGESTIONS = 5
 MOST_SOLVES = 80

@@ -12,8 +12,8 @@ from functools import cached_property
 
 from schemas.arrays import FloatArray
 from schemas.scene.geometry import Domain, KeepClear, KeepOutVolume, ReachRing, ScenePlace, SceneRelation, Stance
+from source.tree import Path
 
-Path = tuple[str | int, ...]
 LEVEL_SHARE = 0.25  # of a floor that things stand on
 
 

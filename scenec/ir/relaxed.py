@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from scenec.ir.problem import Path, Problem, Thing
+from scenec.ir.problem import Problem, Thing
+from source.tree import Path
 
 ANYWHERE = (-np.inf, np.inf)
 WHOLE_TURN = (-np.pi, np.pi)

@@ -14,7 +14,7 @@ from shapely.affinity import translate
 from shapely.geometry.base import BaseGeometry
 
 from render.figure import png
-from scenec.ir.problem import Exhausted, Infeasible, Path, Problem, Result, Thing
+from scenec.ir.problem import Exhausted, Infeasible, Problem, Result, Thing
 from scenec.pictures.blockers import footprint, footprint_at, obstructing_things, owner_parts
 from scenec.pictures.canvas import CLEAR, EDGE, FREE, INK, SUPPORT, THINGS, WRONG, area, name, sheet
 from scenec.pictures.relations import draw_relations
@@ -22,9 +22,9 @@ from scenec.proofs.swept_spaces import certain_spaces
 from scenec.solve.check import Assignment
 from scenec.solve.model import SolverModel, model_of
 from scenec.solve.regions import feasible_region, region_alone
-from scenec.source.tree import written
 from schemas.arrays import FloatArray
 from schemas.scene.geometry import SceneRelation
+from source.tree import Path, written
 
 _CAPTION = 105  # characters a line
 _MOST_LINES = 9

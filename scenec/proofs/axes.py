@@ -13,13 +13,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from geom.planar import turned
-from scenec.ir.problem import Path, Problem, Proof, Thing
+from scenec.ir.problem import Problem, Proof, Thing
 from scenec.proofs.constraints import BEGIN, END, ORIGIN
 from scenec.proofs.outlines import OUTLINE_SLACK_M, YawCell, hull, least_width, resting_orientations, support_bounds
 from scenec.proofs.places import area_hull, background_yaw
 from scenec.relations.table import RELATIONS
 from schemas.arrays import FloatArray
 from schemas.scene.geometry import BACKGROUND, SceneRelation
+from source.tree import Path
 
 
 @dataclass(frozen=True)

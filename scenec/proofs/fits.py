@@ -11,11 +11,12 @@ import shapely
 from shapely import Polygon
 
 from geom.planar import turned
-from scenec.ir.problem import Path, Problem, Proof, Thing
+from scenec.ir.problem import Problem, Proof, Thing
 from scenec.proofs.outlines import OUTLINE_SLACK_M, SMALLEST_CELL_RAD, YawCell, hull
 from scenec.proofs.places import PlacementBounds, area, fits_height, free_region, placement_bounds
 from scenec.proofs.swept_spaces import beside, certain_spaces
 from schemas.scene.geometry import FixedPose, Stance
+from source.tree import Path
 
 
 def no_place_of_its_own(problem: Problem) -> Proof | None:

@@ -13,7 +13,8 @@ from shapely.affinity import affine_transform
 from shapely.geometry.base import BaseGeometry
 
 from geom.convex_outlines import with_fewer_corners
-from scenec.ir.problem import Path, Problem, Thing
+from scenec.ir.problem import Problem, Thing
+from source.tree import Path
 
 FEWER_CORNERS_M = 1e-3  # by which spaces are smaller here, for the sake of speed
 

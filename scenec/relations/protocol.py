@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from shapely.geometry.base import BaseGeometry
 
-from scenec.ir.problem import Path, Problem, Proof
+from scenec.ir.problem import Problem, Proof
 from scenec.plan.cases.motions import Motions
 from scenec.plan.cases.rectangles import AxisOrder
 from scenec.proofs.constraints import Difference, LinearConstraint, NodePose
@@ -25,6 +25,7 @@ from scenec.solve.shapes import ShapeAtYaw
 from schemas.arrays import BoolArray, FloatArray
 from schemas.scene.geometry import SceneRelation
 from schemas.scene.relations import Relation, RelationWord
+from source.tree import Path
 
 Assignment = Mapping[str, Placed]
 SUGGESTION_STEP_M = 0.001

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scenec.ir.names import Names
-from scenec.ir.problem import Path
-from scenec.source.hint import did_you_mean
-from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, finding
 from schemas.scene.cameras import Camera
+from source.hint import did_you_mean
+from source.tree import Path, Spans, written
 
 WIDEST_DEG = 170.0  # of a lens that projects straight lines to straight lines
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 from PIL import ImageColor
 
-from scenec.source.hint import did_you_mean
 from scenec.source.listing import written_assets
-from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, finding
 from schemas.scene.program import BoxAsset, CylinderAsset, SceneProgram, SphereAsset
+from source.hint import did_you_mean
+from source.tree import Spans, written
 
 
 def check_colours(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scenec.ir.problem import Path
-from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, finding
 from schemas.scene.program import GridGroup, SceneProgram, StackGroup
+from source.tree import Path, Spans, written
 
 
 def check_groups(program: SceneProgram, spans: Spans) -> Iterator[Diagnostic]:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scenec.ir.names import Names, anchor_named, kind_of, upright
-from scenec.ir.problem import Path
-from scenec.source.hint import did_you_mean
-from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, finding
 from schemas.scene.geometry import BACKGROUND
 from schemas.scene.program import DiscretePlacement, Group, Placement, SlotGroup
+from source.hint import did_you_mean
+from source.tree import Path, Spans, written
 
 
 def check_ownership(names: Names, spans: Spans) -> Iterator[Diagnostic]:

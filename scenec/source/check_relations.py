@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scenec.ir.names import WORLD, Names
-from scenec.ir.problem import Path
-from scenec.source.hint import did_you_mean
-from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, finding
 from schemas.scene.geometry import BACKGROUND
 from schemas.scene.relations import WORD, Relation, RelationWord
+from source.hint import did_you_mean
+from source.tree import Path, Spans, written
 
 
 def check_relations(names: Names, spans: Spans) -> Iterator[Diagnostic]:

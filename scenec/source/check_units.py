@@ -6,11 +6,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import pi, radians
 
-from scenec.ir.problem import Path
 from scenec.source.listing import WrittenAsset, written_assets, written_yaws
-from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Severity, finding
 from schemas.scene.program import BoxAsset, CylinderAsset, Range, SceneProgram, SphereAsset
+from source.tree import Path, Spans, written
 
 # A full turn with its digits rounded up (6.2832, 6.29, 6.3) is still one.
 MOST_ANGLE_RAD = 6.3

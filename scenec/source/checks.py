@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 import shapely
 
 from scenec.ir.names import MAX_THINGS, Names
-from scenec.ir.problem import Path
 from scenec.ir.single_assets import single_assets
 from scenec.source.check_cameras import check_cameras
 from scenec.source.check_colours import check_colours
@@ -15,10 +14,8 @@ from scenec.source.check_groups import check_groups
 from scenec.source.check_ownership import check_ownership
 from scenec.source.check_relations import check_relations
 from scenec.source.check_units import check_units
-from scenec.source.hint import did_you_mean
 from scenec.source.listing import written_assets, written_placings, written_yaws
 from scenec.source.paired_materials.library import check_pairs
-from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
 from schemas.scene.geometry import BACKGROUND
 from schemas.scene.program import (
@@ -32,6 +29,8 @@ from schemas.scene.program import (
     SlotGroup,
     StackGroup,
 )
+from source.hint import did_you_mean
+from source.tree import Path, Spans, written
 
 
 def check_program(program: SceneProgram, spans: Spans) -> tuple[Diagnostic, ...]:

@@ -9,10 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from scenec.ir.problem import Path
 from scenec.ir.single_assets import single_assets
 from scenec.source.listing import written_assets
-from scenec.source.tree import Spans, written
 from schemas.diagnostics import Diagnostic, Label, finding
 from schemas.scene.program import (
     AssetCandidates,
@@ -24,6 +22,7 @@ from schemas.scene.program import (
     SceneObject,
     SceneProgram,
 )
+from source.tree import Path, Spans, written
 
 TAG = "distractor"
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from scenec.ir.problem import Path
-from scenec.source.tree import Scalar, Tree, TreeList, TreeMapping, child
 from schemas.scene.program import SceneProgram
+from source.tree import Path, Scalar, Tree, TreeList, TreeMapping, child
 
 JsonSchema = dict[str, Any]
+SECTIONS = frozenset(SceneProgram.model_fields) - {"definition"}  # may also stand under `definition`
 _RULES: JsonSchema = {
     "type": "object",
     "description": "over a list of the included file: `$append`, `$replace`, or ids of items to override",

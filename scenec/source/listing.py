@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple, TypeAlias
 
-from scenec.ir.problem import Path
 from schemas.scene.program import (
     Asset,
     Background,
@@ -18,6 +17,7 @@ from schemas.scene.program import (
     Slot,
     SlotGroup,
 )
+from source.tree import Path
 
 WithYaw: TypeAlias = Background | Ranges | Pose | Slot
 

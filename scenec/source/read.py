@@ -8,14 +8,16 @@ from pathlib import Path as FilePath
 from scenec.ir.derivation_cache import DerivationCache
 from scenec.source.checks import check_program
 from scenec.source.distractors import check_distractors, with_distractors
-from scenec.source.include import load
-from scenec.source.incremental_parse import IncrementalParser
-from scenec.source.merge import resolve_overlays
+from scenec.source.language import SECTIONS
 from scenec.source.paired_materials.library import with_pairs
-from scenec.source.tree import Spans
 from scenec.source.validate import validate
 from schemas.diagnostics import Diagnostic, any_error
 from schemas.scene.program import SceneProgram
+from source.include import load
+from source.incremental_parse import IncrementalParser
+from source.merge import resolve_overlays
+from source.parse import parse
+from source.tree import Spans
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,8 @@ def read_program(
     `root` and are all of one phase: the text, then keys and values, then names.
     """
     inside = (root or path.parent).resolve()
-    tree, diagnostics = load(path, inside) if parser is None else load(path, inside, parser.parse)
+    parse_file = parse if parser is None else parser.parse
+    tree, diagnostics = load(path, inside, parse_file, sections=SECTIONS)
     if tree is None:  # perhaps for a path that cannot be resolved
         return ReadResult(None, Spans(None, path.name), diagnostics)
     name = path.resolve().relative_to(inside).as_posix()

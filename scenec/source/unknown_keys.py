@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from scenec.ir.problem import Path
-from scenec.source.hint import did_you_mean
 from scenec.source.language import keys_at, sections
-from scenec.source.tree import Tree, written
 from schemas.diagnostics import Diagnostic, Location, finding
 from schemas.scene.relations import WORD
+from source.hint import did_you_mean
+from source.tree import Path, Tree, written
 
 MOST_KEYS = 8  # are listed where none is near the one written
 STANDING = ("on", "in", "inside", "on_top_of", "in_front_of")  # words of other languages for what a placement says

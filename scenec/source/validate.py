@@ -12,13 +12,12 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from scenec.ir.derivation_cache import DerivationCache
-from scenec.ir.problem import Path
-from scenec.source.hint import did_you_mean
-from scenec.source.tree import Scalar, Spans, Tree, TreeList, TreeMapping, child, plain, written
 from scenec.source.unknown_keys import unknown_key
 from scenec.source.value_messages import message
 from schemas.diagnostics import Diagnostic, finding
 from schemas.scene.program import LayoutNode, SceneObject, SceneProgram
+from source.hint import did_you_mean
+from source.tree import Path, Scalar, Spans, Tree, TreeList, TreeMapping, child, plain, written
 
 LONGEST_TEXT = 60
 

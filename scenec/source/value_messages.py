@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from pydantic_core import ErrorDetails
 
-from scenec.source.hint import did_you_mean
+from source.hint import did_you_mean
 
 _KINDS = {
     "tuple_type": "a list",

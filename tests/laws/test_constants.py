@@ -15,7 +15,7 @@ import pytest
 REPO = Path(__file__).parents[2]
 PACKAGES = (
     *("assetkit", "cli", "dsl", "formats", "gate", "geom", "jobs", "render", "replay", "runtime_plan"),
-    *("scene_check", "scenec", "schemas", "sim", "simgap", "task", "usdio"),
+    *("scene_check", "scenec", "schemas", "sim", "simgap", "source", "task", "usdio"),
 )
 # (package, name) that may have several values, and the reason why these are different notions. Rename before adding.
 DIFFERENT_NOTIONS: dict[tuple[str, str], str] = {}

@@ -15,8 +15,8 @@ from runtime_plan.plan import Plan, prepare
 from scene_check.views import pixels_by_object
 from scenec.check.judge_views import plan_without_view
 from scenec.compile import Compiled, compile_program
-from scenec.source.tree import Spans
 from schemas.diagnostics import InvalidInput
+from source.tree import Spans
 
 PROGRAM = (Path(__file__).parents[1] / "data" / "scenes" / "cameras.yaml").read_text()
 

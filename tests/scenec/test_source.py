@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scenec.source.include import load
-from scenec.source.merge import merge, resolve_overlays
-from scenec.source.parse import parse
 from scenec.source.read import ReadResult, read_program
-from scenec.source.tree import Spans, plain
+from source.include import load
+from source.merge import merge, resolve_overlays
+from source.parse import parse
+from source.tree import Spans, plain
 from tests.support.bad_inputs.scene import ANCHORS, BOX, HEAD, ON, SOUND
 
 # The paper's listings, as they stand.

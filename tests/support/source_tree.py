@@ -12,6 +12,7 @@ PACKAGES = (
     "geom",
     "scene_check",
     "task",
+    "source",
     "formats",
     "usdio",
     "gate",

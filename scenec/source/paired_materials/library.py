@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from scenec.source.hint import did_you_mean
-from scenec.source.tree import Spans
 from schemas.diagnostics import Diagnostic, finding
 from schemas.scene.program import PairedMaterial, SceneProgram
+from source.hint import did_you_mean
+from source.tree import Spans
 
 _FOLDER = Path(__file__).parent
 

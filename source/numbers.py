@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
+from source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 
 # A decimal number that every YAML 1.2 reader converts to the same float.
 _DECIMAL = re.compile(r"(?<![\w.+\-])-?(?:0|[1-9][0-9]*)\.[0-9]+(?![\w.+\-])")

@@ -10,25 +10,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path as FilePath
 
-from scenec.source.merge import merge, resolve_overlays
-from scenec.source.parse import MAX_VALUES, Parsed, parse, too_large
-from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 from schemas.diagnostics import Diagnostic, InvalidInput, Label, Location, finding
 from schemas.files.regular_file import read_regular
-from schemas.scene.program import SceneProgram
+from source.merge import merge, resolve_overlays
+from source.parse import MAX_VALUES, Parsed, parse, too_large
+from source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 
 MAX_FILES = 1000  # every inclusion counts, also of the same file
 INCLUDE, DEFINITION = "include", "definition"
 Parse = Callable[[bytes, str], Parsed]
-SECTIONS = frozenset(SceneProgram.model_fields) - {DEFINITION}
 
 
-def load(file: FilePath, root: FilePath, parse: Parse = parse) -> tuple[Tree | None, tuple[Diagnostic, ...]]:
+def load(
+    file: FilePath, root: FilePath, parse: Parse = parse, *, sections: frozenset[str] = frozenset()
+) -> tuple[Tree | None, tuple[Diagnostic, ...]]:
     """The whole program whose first file is `file`, None when that cannot be read, and all findings.
 
-    Findings name files relative to `root`, which must be resolved.
+    Findings name files relative to `root`, which must be resolved. `sections` are the keys that may also stand under
+    `definition`.
     """
-    loader = _Loader(root, parse)
+    loader = _Loader(root, parse, sections)
     try:
         tree: Tree | None = loader.program(file, Location(file=file.name), ())
     except InvalidInput as error:
@@ -38,8 +39,8 @@ def load(file: FilePath, root: FilePath, parse: Parse = parse) -> tuple[Tree | N
 
 
 class _Loader:
-    def __init__(self, root: FilePath, parse: Parse) -> None:
-        self.root, self.parse = root, parse
+    def __init__(self, root: FilePath, parse: Parse, sections: frozenset[str]) -> None:
+        self.root, self.parse, self.sections = root, parse, sections
         self.diagnostics: list[Diagnostic] = []
         self.values = self.files = 0
         self.parsed: dict[FilePath, Parsed] = {}
@@ -52,7 +53,7 @@ class _Loader:
         if not isinstance(tree, TreeMapping):
             return self.expand(tree, target, inside)
         block = TreeMapping({k: i for k, i in tree.items.items() if k != INCLUDE}, tree.at)
-        over = lift_definition(self.expand(block, target, inside), self.diagnostics)
+        over = lift_definition(self.expand(block, target, inside), self.sections, self.diagnostics)
         bases = [self._included(name, target, inside, top=True) for name in self._names(tree)]
         return self._layered(bases, over)
 
@@ -139,19 +140,19 @@ class _Loader:
         return self.parsed[target].tree, target
 
 
-def lift_definition(tree: Tree, diagnostics: list[Diagnostic]) -> Tree:
-    """Sections under `definition` moved to the top level, where existing ones are merged over them."""
+def lift_definition(tree: Tree, sections: frozenset[str], diagnostics: list[Diagnostic]) -> Tree:
+    """Those sections under `definition` moved to the top level, where existing ones are merged over them."""
     if not isinstance(tree, TreeMapping) or DEFINITION not in tree.items:
         return tree
     definition = tree.items[DEFINITION]
     if not isinstance(definition.value, TreeMapping):
         return tree
-    sections = {k: i for k, i in definition.value.items.items() if k in SECTIONS}
-    facts = TreeMapping({k: i for k, i in definition.value.items.items() if k not in SECTIONS}, definition.value.at)
+    lifted = {k: i for k, i in definition.value.items.items() if k in sections}
+    facts = TreeMapping({k: i for k, i in definition.value.items.items() if k not in sections}, definition.value.at)
     rest = {k: i for k, i in tree.items.items() if k != DEFINITION}
     both = {
         k: TreeEntry(i.at, merge(resolve_overlays(i.value, diagnostics), rest[k].value, diagnostics))
-        for k, i in sections.items()
+        for k, i in lifted.items()
         if k in rest
     }
-    return TreeMapping({**sections, **rest, **both, DEFINITION: TreeEntry(definition.at, facts)}, tree.at)
+    return TreeMapping({**lifted, **rest, **both, DEFINITION: TreeEntry(definition.at, facts)}, tree.at)

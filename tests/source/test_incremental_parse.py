@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from scenec.source.incremental_parse import IncrementalParser
-from scenec.source.parse import Parsed, parse
 from schemas.diagnostics import Diagnostic, InvalidInput
+from source.incremental_parse import IncrementalParser
+from source.parse import Parsed, parse
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 FILES = [*(ROOT / "tests" / "data" / "scenes").glob("*.yaml"), *(ROOT / "examples" / "scenes").glob("*.yaml")]
 TEXTS = [file.read_text() for file in sorted(FILES)]
 BITS = [
@@ -91,9 +91,7 @@ def test_only_what_changed_is_parsed_again(monkeypatch: pytest.MonkeyPatch):
     text = "objects:\n" + "".join(f"  - {{id: o{i}}}\n" for i in range(9)) + "clearance: 0.01\n"
     parser, seen = IncrementalParser(), list[bytes]()
     parser.parse(text.encode(), "p.yaml")
-    monkeypatch.setattr(
-        "scenec.source.incremental_parse.parse", lambda data, *rest: seen.append(data) or parse(data, *rest)
-    )
+    monkeypatch.setattr("source.incremental_parse.parse", lambda data, *rest: seen.append(data) or parse(data, *rest))
     parser.parse(("# a line more\n" + text.replace("o4", "other")).encode(), "p.yaml")
     assert seen == [b"  - {id: other}\n"]
 
@@ -132,5 +130,5 @@ def test_other_numbers_of_the_same_length_need_no_parser(monkeypatch: pytest.Mon
     parser, after = IncrementalParser(), "# moved\n" + text.replace("0.25", "0.40")
     parser.parse(text.encode(), "p.yaml")
     whole = parse(after.encode(), "p.yaml")
-    monkeypatch.setattr("scenec.source.incremental_parse.parse", None)
+    monkeypatch.setattr("source.incremental_parse.parse", None)
     assert parser.parse(after.encode(), "p.yaml") == whole

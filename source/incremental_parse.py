@@ -14,11 +14,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from scenec.source.line_shifted import line_shifted
-from scenec.source.numbers import masked, renumbered
-from scenec.source.parse import MAX_VALUES, Parsed, parse
-from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 from schemas.diagnostics import InvalidInput, Location
+from source.line_shifted import line_shifted
+from source.numbers import masked, renumbered
+from source.parse import MAX_VALUES, Parsed, parse
+from source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 
 # Marks of documents, directives and complex keys at the beginning of a line; anchors, odd breaks and what does not
 # print anywhere, because comments before an entry are not parsed.

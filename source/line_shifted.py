@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import overload
 
-from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 from schemas.diagnostics import Location
+from source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 
 
 def line_shifted(tree: Tree, lines: int) -> Tree:

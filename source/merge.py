@@ -7,9 +7,9 @@ changes replaces the base, because the other keys belong to another type.
 
 from __future__ import annotations
 
-from scenec.source.hint import did_you_mean
-from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping, child
 from schemas.diagnostics import Diagnostic, Location, finding
+from source.hint import did_you_mean
+from source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping, child
 
 APPEND, REPLACE, DELETE = "$append", "$replace", "$delete"
 

@@ -1,4 +1,4 @@
-"""Syntax tree of a program: scalars, lists and mappings, each with its location (file, line, column)."""
+"""Syntax tree of a YAML file: scalars, lists and mappings, each with its location (file, line, column)."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeAlias
 
-from scenec.ir.problem import Path
 from schemas.diagnostics import Location
+
+Path: TypeAlias = tuple[str | int, ...]
+"""Keys and indices from the root to a value: `("objects", 2, "id")`."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class TreeEntry:
 @dataclass(frozen=True)
 class TreeMapping:
     """A mapping, in the order of the text. `original` is the tree that this one is a line-shifted copy of, if any (see
-    `scenec.source.line_shifted`).
+    `source.line_shifted`).
     """
 
     items: Mapping[str, TreeEntry]

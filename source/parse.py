@@ -10,8 +10,8 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 
-from scenec.source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 from schemas.diagnostics import Diagnostic, InvalidInput, Location, finding
+from source.tree import Scalar, Tree, TreeEntry, TreeList, TreeMapping
 
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 60
