@@ -15,6 +15,7 @@ import numpy as np
 
 from dsl.mapping_reader import MappingReader, place
 from dsl.part_orders import Parts, read_part
+from dsl.scene_needs import missing_needs
 from dsl.task_file import TaskFile
 from schemas.diagnostics import Diagnostic, Label, Location, any_error, finding
 from schemas.scene.program import SceneProgram
@@ -45,11 +46,12 @@ class PipelineFile:
 
 
 def read_pipeline(
-    path: Path, root: Path | None = None, *, benchmark: bool = False
+    path: Path, root: Path | None = None, *, assets: Path | None = None, benchmark: bool = False
 ) -> tuple[PipelineFile | None, tuple[Diagnostic, ...]]:
     """The pipeline of a file, None where it has an error, and all findings in the order of the text.
 
-    Includes stay inside `root`. With `benchmark`, points of tasks must be ten together as written.
+    Includes stay inside `root`. With `benchmark`, points of tasks must be ten together as written. With `assets`, a
+    folder of packages, conditions are also checked against the records of the scene's assets.
     """
     inside = (root or path.parent).resolve()
     tree, diagnostics = load(path, inside)
@@ -70,7 +72,7 @@ def read_pipeline(
     for key, kind in PARTS.items():
         for item in reader.list(key):
             read_part(kind, item, parts, findings, benchmark=benchmark)
-    assemblies = _assemblies(reader, parts, findings)
+    assemblies = _assemblies(reader, parts, findings, assets)
     rollouts = _rollouts(reader, assemblies, findings)
     _report_unused(parts, assemblies, findings)
     findings.sort(key=lambda d: (d.where.file or "", d.where.line or 0, d.where.column or 0))
@@ -109,7 +111,9 @@ def _factories(reader: MappingReader) -> dict[str, str]:
     return factories
 
 
-def _assemblies(reader: MappingReader, parts: Parts, findings: list[Diagnostic]) -> dict[str, AssemblyOrder | None]:
+def _assemblies(
+    reader: MappingReader, parts: Parts, findings: list[Diagnostic], assets: Path | None
+) -> dict[str, AssemblyOrder | None]:
     assemblies: dict[str, AssemblyOrder | None] = {}
     for item in reader.list(ASSEMBLIES):
         generator = _generator(item, findings)
@@ -136,7 +140,7 @@ def _assemblies(reader: MappingReader, parts: Parts, findings: list[Diagnostic])
         ]
         assemblies[names[0]] = None
         if all(known):
-            bindings = _bindings(names[0], str(names[1]), str(names[3]), generator, parts, findings)
+            bindings = _bindings(names[0], str(names[1]), str(names[3]), parts, findings, assets)
             assemblies[names[0]] = AssemblyOrder(
                 name=names[0], scene=str(names[1]), robot=str(names[2]), task=str(names[3]), bindings=bindings
             )
@@ -169,14 +173,14 @@ def _refers(
 
 
 def _bindings(
-    assembly: str, scene: str, task: str, generator: TreeMapping, parts: Parts, findings: list[Diagnostic]
+    assembly: str, scene: str, task: str, parts: Parts, findings: list[Diagnostic], assets: Path | None
 ) -> dict[str, tuple[str, ...]]:
     """The objects that play each role of the task in the scene; findings where none or too many could."""
     scene_part, task_part = parts.scenes[scene], parts.tasks[task]
     if scene_part is None or task_part is None:
         return {}  # What is wrong with them is already reported.
     file, facts = task_part[1], named_objects(scene_part[1])
-    _, faults = bind_roles(file.graph, facts, file.roles)
+    graph, faults = bind_roles(file.graph, facts, file.roles)
     for fault in faults:
         unbound = fault.kind == "unbound"
         words = "is no object of" if unbound else "means several objects of"
@@ -186,6 +190,10 @@ def _bindings(
         where = file.places.get(fault.node, parts.places["task", task])
         labels = _near_tags(fault.name, parts.tag_places.get(scene, {})) if unbound else ()
         findings.append(finding(code, f"{assembly}: {headline}", where=where, value=fault.name, labels=labels))
+    for lacking in () if faults else missing_needs(graph, scene_part[1], assets):
+        where = file.places.get(lacking.node, parts.places["task", task])
+        headline = f"{assembly}: in the scene `{scene}` {lacking.words}"
+        findings.append(finding("pipeline/unmet-need", headline, where=where, value=lacking.words))
     roles = {name for name in _names(file) if name.startswith(MARK)}
     return {
         role: tuple(file.roles.get(role.removeprefix(MARK), facts.tagged(role.removeprefix(MARK))))

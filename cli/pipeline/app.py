@@ -31,13 +31,21 @@ Benchmark = Annotated[bool, typer.Option("--benchmark", help="Refuse tasks whose
 
 @app.command("check")
 def check_command(
-    pipeline: PipelinePath, root: Root = None, benchmark: Benchmark = False, as_json: AsJson = False
+    pipeline: PipelinePath,
+    assets: Annotated[
+        Path | None, typer.Option("--assets", help="Packages: do assets have what conditions read?", exists=True)
+    ] = None,
+    root: Root = None,
+    benchmark: Benchmark = False,
+    as_json: AsJson = False,
 ) -> None:
     """Report every error of a pipeline and its fragments in one run, each with its file, line and column.
 
+    With --assets conditions are checked against the records of the packages: volumes, surfaces, joints, categories.
+
     Example: `mana pipeline check examples/pipelines/pick_place/pipeline.yaml`
     """
-    orders, diagnostics = _read(pipeline, root, benchmark)
+    orders, diagnostics = _read(pipeline, root, benchmark, assets)
     if as_json:
         document = {
             "sound": orders is not None,
@@ -166,10 +174,12 @@ def yaml_text(document: dict[str, Any]) -> str:
     return stream.getvalue()
 
 
-def _read(pipeline: Path, root: Path | None, benchmark: bool) -> tuple[Orders | None, tuple[Diagnostic, ...]]:
+def _read(
+    pipeline: Path, root: Path | None, benchmark: bool, assets: Path | None = None
+) -> tuple[Orders | None, tuple[Diagnostic, ...]]:
     from dsl.pipeline_file import read_pipeline
 
-    file, diagnostics = read_pipeline(pipeline, root, benchmark=benchmark)
+    file, diagnostics = read_pipeline(pipeline, root, assets=assets, benchmark=benchmark)
     return (None if file is None else file.orders), diagnostics
 
 

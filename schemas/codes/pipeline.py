@@ -59,6 +59,12 @@ PIPELINE_CODES: dict[str, CodeInfo] = {
         "Which one is meant decides whether the task succeeds.",
         "name one under `roles` of the task, or use a condition that takes several objects",
     ),
+    "pipeline/unmet-need": CodeInfo(
+        "error",
+        "A condition reads what the scene does not have",
+        "No episode in this scene could be judged.",
+        "choose an asset that has it, name another volume, surface or joint, or use another condition",
+    ),
     "pipeline/unused-order": CodeInfo(
         "warning",
         "No assembly uses the order",

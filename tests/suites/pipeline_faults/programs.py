@@ -6,7 +6,7 @@ import random
 
 _CONDITIONS = (
     ("upright", ("object: '@goods'", "tilt: 0.3")),
-    ("inside", ("object: '@goods'", "container: '@target'", "least_share: 0.6")),
+    ("inside", ("object: '@goods'", "container: cabinet", "least_share: 0.6")),
     ("on", ("object: '@goods'", "support: '@target'", "gap_m: 0.02", "overlap: 0.5")),
     ("near", ("object: '@goods'", "destination: '@target'", "distance_m: 0.2")),
     ("released", ("object: '@goods'", "retreat_m: 0.1")),
@@ -55,6 +55,9 @@ def _scene(name: str, rng: random.Random) -> list[str]:
     for thing, tags in things:
         lines += [f"      - id: {thing}", "        asset:", "          type: cylinder", "          radius_m: 0.04"]
         lines += ["          height_m: 0.1", f"        semantic_tags: {tags}"]
+    for thing in ("cabinet", "button"):
+        lines += [f"      - id: {thing}", f"        asset: {thing}_a"]
+        things.append((thing, ""))
     lines += ["    anchors:", "      top:", "        object: background", "        surface: auto"]
     lines += ["    layout:", "      nodes:"]
     for thing, _ in things:

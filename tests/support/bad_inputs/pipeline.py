@@ -42,6 +42,7 @@ CHANGES: dict[str, tuple[str, str]] = {
     "pipeline/unknown-name": ("env_ref: env", "env_ref: environment"),
     "pipeline/unbound-role": ("'@pickable'", "'@pickables'"),
     "pipeline/ambiguous-role": ("semantic_tags: [other]", "semantic_tags: [pickable]"),
+    "pipeline/unmet-need": ("_func: upright,", "_func: inside, container: can,"),
     "pipeline/unused-order": ("kinematics: panda}\n", "kinematics: panda}\n  - {name: spare}\n"),
 }
 
