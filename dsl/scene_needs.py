@@ -59,7 +59,7 @@ def missing_needs(graph: TaskGraph, program: SceneProgram, assets: Path | None) 
         Missing(node, words)
         for node, condition in _conditions(graph)
         for part in condition.parts()
-        if _is_decidable(part, unknown) and (words := _lacks(part, frames)) is not None
+        if _is_decidable(part, unknown) and (words := _first_missing(part, frames)) is not None
     )
     return tuple(dict.fromkeys(lacking))
 
@@ -186,7 +186,7 @@ def _named(part: Predicate) -> set[str]:
     return {*part.objects(), *joints}
 
 
-def _lacks(part: Predicate, frames: Frames) -> str | None:
+def _first_missing(part: Predicate, frames: Frames) -> str | None:
     try:
         part.values(frames, part.start())
     except StateMissing as missing:
