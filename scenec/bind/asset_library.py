@@ -30,7 +30,8 @@ from schemas.mechanism import Mechanism
 from schemas.outcome import ItemOutcome
 from schemas.physics import CollisionShape
 from schemas.scene.geometry import ScenePlace, Stance
-from schemas.scene.program import AuthoredPolygon, FixedAsset, Inline, Orientation
+from schemas.scene.placing import Orientation
+from schemas.scene.program import AuthoredPolygon, FixedAsset, Inline
 from source.hint import did_you_mean
 from usdio.reread.body import Linkage, reread_body, reread_linkage
 

@@ -34,17 +34,8 @@ from schemas.scene.geometry import (
     ScenePlace,
     SceneRelation,
 )
-from schemas.scene.program import (
-    DiscretePlacement,
-    FixedAsset,
-    Group,
-    Orientation,
-    Placement,
-    Ranges,
-    SceneObject,
-    SlotGroup,
-    StackGroup,
-)
+from schemas.scene.placing import DiscretePlacement, Group, Orientation, Placement, Ranges, SlotGroup, StackGroup
+from schemas.scene.program import FixedAsset, SceneObject
 from source.tree import Path, Spans
 
 RESTS_DEG = 3.0  # largest tilt of a thing when it is released (design: a scene settles)

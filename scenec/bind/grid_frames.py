@@ -16,7 +16,7 @@ from scenec.bind.primitives import UPRIGHT
 from scenec.bind.written_poses import domain_at, yaw_range_of
 from scenec.ir.problem import Body, Thing
 from schemas.scene.geometry import Domain, FixedPose, Prism, ScenePlace, Stance
-from schemas.scene.program import GridGroup
+from schemas.scene.placing import GridGroup
 from source.tree import Path
 
 GRID = "grid"  # name of the place of the members, and asset of the frame

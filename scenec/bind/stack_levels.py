@@ -21,7 +21,7 @@ from shapely.geometry.base import BaseGeometry
 from scenec.ir.problem import Body
 from schemas.arrays import FloatArray
 from schemas.scene.geometry import Domain, ScenePlace, Stance
-from schemas.scene.program import StackGroup
+from schemas.scene.placing import StackGroup
 from source.tree import Path
 
 LEVEL = "stack"  # name of the place on the thing below

@@ -12,7 +12,8 @@ from math import prod
 
 from scenec.ir.names import Names, upright
 from scenec.ir.single_assets import SingleAsset, single_assets
-from schemas.scene.program import AssetVariant, Background, FixedAsset, SlotGroup
+from schemas.scene.placing import SlotGroup
+from schemas.scene.program import AssetVariant, Background, FixedAsset
 
 MAX_COMBINATIONS = 256
 AS_WRITTEN = "as_written"

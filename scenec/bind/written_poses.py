@@ -9,8 +9,7 @@ from scenec.bind.asset_library import swing_and_yaw
 from scenec.ir.problem import Body
 from schemas.arrays import FloatArray
 from schemas.scene.geometry import Domain, FixedPose
-from schemas.scene.program import (
-    Background,
+from schemas.scene.placing import (
     DiscretePlacement,
     GridGroup,
     Group,
@@ -22,6 +21,7 @@ from schemas.scene.program import (
     SlotGroup,
     StackGroup,
 )
+from schemas.scene.program import Background
 from source.tree import Path
 
 FULL_TURN = 2.0 * np.pi

@@ -6,18 +6,18 @@ from functools import cached_property
 from typing import Literal
 
 from schemas.scene.geometry import BACKGROUND
-from schemas.scene.program import (
+from schemas.scene.placing import (
     DiscretePlacement,
     GridGroup,
     Group,
     Placement,
     ScatterGroup,
-    SceneProgram,
     SlotGroup,
     StackGroup,
     VolumeGroup,
     VolumePlacement,
 )
+from schemas.scene.program import SceneProgram
 
 MAX_THINGS = 2000
 WORLD = "world"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from schemas.diagnostics import Diagnostic, finding
-from schemas.scene.program import GridGroup, SceneProgram, StackGroup
+from schemas.scene.placing import GridGroup, StackGroup
+from schemas.scene.program import SceneProgram
 from source.tree import Path, Spans, written
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from scenec.ir.names import Names, anchor_named, kind_of, upright
 from schemas.diagnostics import Diagnostic, Label, finding
 from schemas.scene.geometry import BACKGROUND
-from schemas.scene.program import DiscretePlacement, Group, Placement, SlotGroup
+from schemas.scene.placing import DiscretePlacement, Group, Placement, SlotGroup
 from source.hint import did_you_mean
 from source.tree import Path, Spans, written
 

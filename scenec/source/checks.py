@@ -18,17 +18,8 @@ from scenec.source.listing import written_assets, written_placings, written_yaws
 from scenec.source.paired_materials.library import check_pairs
 from schemas.diagnostics import Diagnostic, Label, Severity, finding
 from schemas.scene.geometry import BACKGROUND
-from schemas.scene.program import (
-    AuthoredPolygon,
-    DiscretePlacement,
-    FixedAsset,
-    GridGroup,
-    Pose,
-    Ranges,
-    SceneProgram,
-    SlotGroup,
-    StackGroup,
-)
+from schemas.scene.placing import DiscretePlacement, GridGroup, Pose, Ranges, SlotGroup, StackGroup
+from schemas.scene.program import AuthoredPolygon, FixedAsset, SceneProgram
 from source.hint import did_you_mean
 from source.tree import Path, Spans, written
 

@@ -12,13 +12,13 @@ from dataclasses import replace
 from scenec.ir.single_assets import single_assets
 from scenec.source.listing import written_assets
 from schemas.diagnostics import Diagnostic, Label, finding
+from schemas.scene.placing import ScatterGroup
 from schemas.scene.program import (
     AssetCandidates,
     Distractors,
     FixedAsset,
     LayoutNode,
     PoolAsset,
-    ScatterGroup,
     SceneObject,
     SceneProgram,
 )

@@ -5,18 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple, TypeAlias
 
-from schemas.scene.program import (
-    Asset,
-    Background,
-    DiscretePlacement,
-    Group,
-    Placement,
-    Pose,
-    Ranges,
-    SceneProgram,
-    Slot,
-    SlotGroup,
-)
+from schemas.scene.placing import DiscretePlacement, Group, Placement, Pose, Ranges, Slot, SlotGroup
+from schemas.scene.program import Asset, Background, SceneProgram
 from source.tree import Path
 
 WithYaw: TypeAlias = Background | Ranges | Pose | Slot
