@@ -110,6 +110,11 @@ class MappingReader:
         return isinstance(tree, Scalar) and isinstance(tree.value, int | float) and not isinstance(tree.value, bool)
 
 
+def in_text_order(findings: Sequence[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Findings by file, line and column."""
+    return tuple(sorted(findings, key=lambda d: (d.where.file or "", d.where.line or 0, d.where.column or 0)))
+
+
 def place(entry: TreeEntry) -> Location:
     """Where a value stands: its own place, or that of its key where it is a mapping or list."""
     return entry.value.at if isinstance(entry.value, Scalar) else entry.at

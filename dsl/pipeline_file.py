@@ -13,7 +13,7 @@ from typing import cast, get_args
 
 import numpy as np
 
-from dsl.mapping_reader import MappingReader, place
+from dsl.mapping_reader import MappingReader, in_text_order, place
 from dsl.part_orders import Parts, read_part
 from dsl.scene_needs import missing_needs
 from dsl.task_file import TaskFile
@@ -22,8 +22,7 @@ from schemas.scene.program import SceneProgram
 from schemas.task.orders import AssemblyOrder, Mode, Orders, RolloutOrder
 from schemas.task.scene_facts import ObjectFacts, SceneFacts
 from source.hint import did_you_mean
-from source.include import load
-from source.merge import resolve_overlays
+from source.include import read_tree
 from source.tree import Scalar, Tree, TreeMapping, plain
 from task.roles import MARK, bind_roles
 
@@ -53,15 +52,10 @@ def read_pipeline(
     Includes stay inside `root`. With `benchmark`, points of tasks must be ten together as written. With `assets`, a
     folder of packages, conditions are also checked against the records of the scene's assets.
     """
-    inside = (root or path.parent).resolve()
-    tree, diagnostics = load(path, inside)
-    if tree is None:
+    tree, diagnostics = read_tree(path, (root or path.parent).resolve())
+    if tree is None or any_error(diagnostics):
         return None, diagnostics
-    rules: list[Diagnostic] = []
-    tree = resolve_overlays(tree, rules)
-    findings = [*diagnostics, *rules]
-    if any_error(findings):
-        return None, tuple(findings)
+    findings = list(diagnostics)
     if not isinstance(tree, TreeMapping):
         findings.append(finding("pipeline/invalid-value", "a pipeline is a mapping", where=tree.at))
         return None, tuple(findings)
@@ -75,9 +69,8 @@ def read_pipeline(
     assemblies = _assemblies(reader, parts, findings, assets)
     rollouts = _rollouts(reader, assemblies, findings)
     _report_unused(parts, assemblies, findings)
-    findings.sort(key=lambda d: (d.where.file or "", d.where.line or 0, d.where.column or 0))
     if any_error(findings):
-        return None, tuple(findings)
+        return None, in_text_order(findings)
     orders = Orders(
         factories=_factories(reader),
         scenes=tuple(order[0] for order in parts.scenes.values() if order),
@@ -86,7 +79,7 @@ def read_pipeline(
         assemblies=tuple(order for order in assemblies.values() if order),
         rollouts=rollouts,
     )
-    return PipelineFile(orders, parts.places), tuple(findings)
+    return PipelineFile(orders, parts.places), in_text_order(findings)
 
 
 def _check_order(tree: TreeMapping, findings: list[Diagnostic]) -> None:

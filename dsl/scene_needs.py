@@ -18,8 +18,8 @@ from pydantic import ValidationError
 from schemas.anchors import AnchorPolygon, ContainmentVolume, SupportSurface
 from schemas.asset import RECORD, AssetRecord
 from schemas.scene.program import BoxAsset, CylinderAsset, SceneProgram
-from schemas.state_log import StateLog
 from schemas.task.scene_facts import ObjectFacts, SceneFacts
+from schemas.task.state_log import StateLog
 from task.frames import Frames, StateMissing
 from task.graph import TaskGraph
 from task.predicates.combine.counted import MEMBER

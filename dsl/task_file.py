@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from dsl.mapping_reader import MappingReader, place
+from dsl.mapping_reader import MappingReader, in_text_order, place
 from dsl.predicate_reader import read_predicate
 from schemas.diagnostics import Diagnostic, Location, any_error, finding
 from source.hint import did_you_mean
-from source.include import load
-from source.merge import resolve_overlays
+from source.include import read_tree
 from source.tree import Scalar, Tree, TreeList, TreeMapping
 from task.graph import WHOLE, TaskGraph, TaskNode, graph_faults
 
@@ -40,17 +39,12 @@ def read_task(
 
     In a benchmark the points have to be ten together as written.
     """
-    inside = (root or path.parent).resolve()
-    tree, diagnostics = load(path, inside)
-    if tree is None:
+    tree, diagnostics = read_tree(path, (root or path.parent).resolve())
+    if tree is None or any_error(diagnostics):
         return None, diagnostics
-    rules: list[Diagnostic] = []
-    tree = resolve_overlays(tree, rules)
-    findings = [*diagnostics, *rules]
-    if any_error(findings):
-        return None, tuple(findings)
+    findings = list(diagnostics)
     file = task_of(tree, path.stem, findings, benchmark=benchmark)
-    return file, tuple(sorted(findings, key=_order) if file is None else findings)
+    return file, in_text_order(findings)
 
 
 def task_of(
@@ -163,7 +157,3 @@ def _roles(file: MappingReader, findings: list[Diagnostic]) -> dict[str, tuple[s
             findings.append(finding("task/invalid-value", headline, where=entry.at))
         roles[name] = texts
     return roles
-
-
-def _order(each: Diagnostic) -> tuple[str, int, int]:
-    return (each.where.file or "", each.where.line or 0, each.where.column or 0)

@@ -21,8 +21,8 @@ from replay.verification.separation import DistanceShape, centre_and_radius, dis
 from schemas.anchors import AnchorPolygon, SupportSurface
 from schemas.arrays import BoolArray, FloatArray
 from schemas.physics import CollisionShape
-from schemas.state_log import GripperParts, StateLog
 from schemas.task.scene_facts import ObjectFacts, SceneFacts
+from schemas.task.state_log import GripperParts, StateLog
 
 CONTACT_GAP_M = 0.001  # shapes of recordings are hulls, and simulators keep contacts within this
 TOP_SPREAD_M = 0.002  # corners within so much of the highest one bound the top of a shape

@@ -38,6 +38,18 @@ def load(
     return tree, tuple(loader.diagnostics)
 
 
+def read_tree(
+    file: FilePath, root: FilePath, parse: Parse = parse, *, sections: frozenset[str] = frozenset()
+) -> tuple[Tree | None, tuple[Diagnostic, ...]]:
+    """As `load`, with the overlay rules that are left resolved over nothing, as in a file that no other includes."""
+    tree, diagnostics = load(file, root, parse, sections=sections)
+    if tree is None:
+        return None, diagnostics
+    rules: list[Diagnostic] = []
+    tree = resolve_overlays(tree, rules)
+    return tree, (*diagnostics, *rules)
+
+
 class _Loader:
     def __init__(self, root: FilePath, parse: Parse, sections: frozenset[str]) -> None:
         self.root, self.parse, self.sections = root, parse, sections

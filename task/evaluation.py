@@ -8,9 +8,9 @@ from fractions import Fraction
 import numpy as np
 
 from schemas.arrays import BoolArray
-from schemas.state_log import StateLog
 from schemas.task.episode_result import EpisodeResult, Failure, NodeEvent, NodeResult, Stage
 from schemas.task.scene_facts import SceneFacts
+from schemas.task.state_log import StateLog
 from task.frames import Frames
 from task.graph import WHOLE, TaskGraph
 from task.history import GraphHistory, active_at, graph_history

@@ -12,8 +12,8 @@ import numpy as np
 
 from schemas.anchors import ContainmentVolume, SupportSurface
 from schemas.arrays import BoolArray, FloatArray
-from schemas.state_log import StateLog
 from schemas.task.scene_facts import ObjectFacts, SceneFacts
+from schemas.task.state_log import StateLog
 
 
 class StateMissing(Exception):

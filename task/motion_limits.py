@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from schemas.state_log import StateLog
+from schemas.task.state_log import StateLog
 from task.frames import length
 
 # What people and robots throw stays below 10 m/s; 20 mm cover contact corrections of simulators and rounded stamps.

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from schemas.state_log import StateLog
 from schemas.task.scene_facts import SceneFacts
+from schemas.task.state_log import StateLog
 from task.evaluation import bodies_of_task
 from task.frames import Frames
 from task.graph import TaskGraph

@@ -1,4 +1,6 @@
-"""The driver of a batch: peak memory and time by the number of items, `python -m benchmarks.assets.no_work [--real]`.
+"""The driver of a batch: peak memory and time by the number of items.
+
+    python -m benchmarks.assets.no_work [--real] [COUNT COUNT]
 
 Each item is a file of one line, and its cell writes a result with three findings at once. With `--real` items are small
 meshes (`benchmarks.assets.scale.varied`) that become packages. Each number of items runs in a process of its own, from
@@ -21,7 +23,6 @@ from assetkit.batch.item_cells import WORK, Batch, candidate_of
 from assetkit.batch.run_batch import run_batch
 from assetkit.options import Options
 from assetkit.sources.source_list import listed_sources
-from benchmarks.assets.scale import varied, write_obj
 from cli.engines import SIMULATOR
 from jobs.cache import file_sha256
 from jobs.placement import Placement
@@ -36,35 +37,43 @@ REAL = "real"
 
 
 def main(what: str, counts: Sequence[int]) -> None:
-    """Prints a line for each number of items, and the ratio of the last peak to the first."""
-    peaks: list[float] = []
+    """Prints a line for each number of items, then the ratio of the last peak to the first and the cost of one more."""
+    rows: list[dict[str, float]] = []
     for count in counts:
         with tempfile.TemporaryDirectory() as folder:
-            argv = [sys.executable, "-m", HERE, str(count), folder, what]
-            figures = json.loads(subprocess.run(argv, check=True, capture_output=True, text=True).stdout)
-        peaks.append(figures["peak_mib"])
-        wall_ms, cpu_ms = (1e3 * figures[name] / count for name in ("wall_s", "cpu_s"))
-        print(f"{count} items: {figures['peak_mib']:.1f} MiB at most, {wall_ms:.1f} ms an item (CPU {cpu_ms:.1f})")
-    print(f"ratio {peaks[-1] / peaks[0]:.2f}")
+            write_sources(Path(folder) / "in", count, what)
+            argv = [sys.executable, "-m", HERE, folder, what]
+            rows.append(json.loads(subprocess.run(argv, check=True, capture_output=True, text=True).stdout))
+        row = rows[-1]
+        each_ms = 1e3 * row["wall_s"] / count
+        print(f"{count} items: {row['peak_mib']:.1f} MiB at most, {each_ms:.1f} ms an item, CPU {row['cpu_s']:.1f} s")
+    first, last = rows[0], rows[-1]
+    one_more_ms = 1e3 * (last["cpu_s"] - first["cpu_s"]) / (counts[-1] - counts[0])
+    print(f"ratio of peaks {last['peak_mib'] / first['peak_mib']:.2f}, CPU of one more item {one_more_ms:.2f} ms")
 
 
-def batch_of(count: int, folder: Path, what: str) -> None:
-    """One batch of `count` items, "real" or not; prints as JSON the peak memory of the driver (MiB) and its seconds."""
-    sources, out = folder / "in", folder / "out"
-    sources.mkdir()
+def write_sources(folder: Path, count: int, what: str) -> None:
+    """Writes the sources, outside of the process that is measured."""
+    from benchmarks.assets.scale import varied, write_obj
+
+    folder.mkdir()
     for number in range(count):
-        file = sources / f"part_{number:06d}.obj"
+        file = folder / f"part_{number:06d}.obj"
         if what == REAL:
             write_obj(file, *varied(number))
         else:
             file.write_text(f"v {number} 0 0\n")
-    started = time.monotonic()
-    found = listed_sources([sources], out / WORK, root=None, out=out)
+
+
+def batch_of(folder: Path, what: str) -> None:
+    """One batch, "real" or not; prints as JSON the peak memory of the driver (MiB) and its seconds."""
+    out, started = folder / "out", time.monotonic()
+    sources = listed_sources([folder / "in"], out / WORK, root=None, out=out)
     if what == REAL:
         batch = Batch(out, Options(units="m"), SIMULATOR, placement=Placement(JOBS))
     else:
         batch = Batch(out, Options(), "no:engine", HERE, HERE, Placement(JOBS))
-    run_batch(found, batch)
+    run_batch(sources, batch)
     spent = resource.getrusage(resource.RUSAGE_SELF)
     figures = {"peak_mib": spent.ru_maxrss / 1024, "cpu_s": spent.ru_utime + spent.ru_stime}
     print(json.dumps(figures | {"wall_s": time.monotonic() - started}))
@@ -87,11 +96,11 @@ def item_cell(request_file: str) -> None:
 
 if __name__ == "__main__":
     match sys.argv[1:]:
-        case [count, folder, what]:
-            batch_of(int(count), Path(folder), what)
-        case ["--real"]:
-            main(REAL, REAL_COUNTS)
-        case [request]:
+        case [folder, "real" | "none" as what]:
+            batch_of(Path(folder), what)
+        case ["--real", *counts]:
+            main(REAL, [int(count) for count in counts] or REAL_COUNTS)
+        case [request] if request.endswith(".json"):
             item_cell(request)
-        case _:
-            main("none", COUNTS)
+        case counts:
+            main("none", [int(count) for count in counts] or COUNTS)

@@ -13,10 +13,9 @@ import shapely
 from scenec.bind.asset_library import AssetLibrary, Geometry
 from scenec.bind.bind_relations import lower_relations
 from scenec.bind.choice_spans import candidate_path
-from scenec.bind.grid_frames import with_frame
+from scenec.bind.group_things import GroupThings
 from scenec.bind.joint_states import JointState, joint_named, joint_state
 from scenec.bind.posed_asset import TILT_DEG
-from scenec.bind.stack_levels import most_off_balance_m, stack_level
 from scenec.bind.swept_space import swept_space
 from scenec.bind.variants import AS_WRITTEN, ASSETS, Choice
 from scenec.bind.written_poses import domain_at, fixed_pose_of, orientation_of, world_pose_of, yaw_of, yaw_range_of
@@ -63,13 +62,14 @@ class Lowering:
         self.diagnostics_by_path: list[tuple[Path, Diagnostic]] = []  # without lines, for reuse when lines shift
         self.places: dict[tuple[str, str], tuple[str, ScenePlace] | None] = {}
         self.objects = {thing.id: thing for thing in self.program.objects}
+        self.groups = GroupThings(names, self._top, self._add)
 
     def problem(self) -> Problem:
         """The problem, with the relations, keep-outs and reach of its things."""
         program, background = self.program, self.choice.background
         nodes = (node for node in program.layout.nodes if node in self.nodes)
         things = {thing.name: thing for node in nodes for thing in self._things(node)}
-        things = self._with_frames(things)
+        things = self.groups.with_frames(things)
         background_yaw = yaw_of(background) if background is not None else 0.0
         relations: tuple[SceneRelation, ...] = ()
         if not any_error(self.diagnostics):
@@ -89,7 +89,7 @@ class Lowering:
             dict(self.choice.combination),
             self._keep_clear(things),
             0.0 if background is None or background.height is None else background.height[1] - background.height[0],
-            self._stacks(things),
+            self.groups.stacks(things),
         )
 
     def _background(self) -> Body | None:
@@ -160,57 +160,14 @@ class Lowering:
             for name in self.names.copies[node]
         )
         if isinstance(placing, StackGroup):
-            things = tuple(self._stacked(thing, placing) for thing in things)
+            things = tuple(self.groups.stacked(thing, placing) for thing in things)
         return things, tuple(self.diagnostics_by_path[before:])
-
-    def _stacked(self, thing: Thing, group: StackGroup) -> Thing:
-        """A thing of a stack: on the surface of the group, or on the top of the thing below it."""
-        assert thing.group is not None, "a stack is a group"
-        order, path = self.names.stacked(thing.group), ("layout", "groups", thing.group)
-        number = order.index(thing.name)
-        if number == 0:
-            return thing
-        below = order[number - 1]
-        top = self._top(below)
-        if top is None:
-            headline = f"`{below}` has no surface on which `{thing.name}` could stand"
-            self._add(finding("scene/missing-anchor", headline), (*path, "members"))
-            return thing
-        level = stack_level(top, thing.body, group, path)
-        return replace(thing, parent=below, place=level.place, domain=level.domain)
-
-    def _with_frames(self, things: dict[str, Thing]) -> dict[str, Thing]:
-        """The things, with the frame of each grid before its members."""
-        for name, group in self.names.grids.items():
-            members = [things[thing] for thing in self.names.things_named(name) if thing in things]
-            if len(members) == len(group.cells()):
-                framed = {thing.name: thing for thing in with_frame(name, group, members, ("layout", "groups", name))}
-                things = {thing: at for thing, at in things.items() if thing not in framed} | framed
-        return things
 
     def _top(self, name: str) -> ScenePlace | None:
         """The highest surface of a thing, None where it has none."""
         posed = self._posed(name)
         surfaces = self.library.geometry(*posed).surfaces if posed is not None else ()
         return max(surfaces, key=lambda surface: float(surface.origin_P_m[2]), default=None)
-
-    def _stacks(self, things: Mapping[str, Thing]) -> tuple[tuple[str, ...], ...]:
-        """The things of each stack, the lowest first; a finding for each that may fall."""
-        stacks: list[tuple[str, ...]] = []
-        for name, group in self.program.layout.groups.items():
-            order = self.names.stacked(name)
-            if not isinstance(group, StackGroup) or not order or any(thing not in things for thing in order):
-                continue
-            stacks.append(order)
-            levels = [(things[thing].body, top) for thing in order if (top := self._top(thing)) is not None]
-            levels += [(things[order[-1]].body, things[order[-1]].place)] if len(levels) == len(order) - 1 else []
-            beyond = most_off_balance_m(levels, group.alignment) if len(levels) == len(order) else 0.0
-            if beyond > 0.0:
-                headline = f"`layout.groups.{name}` may fall: within its alignment a load is {1e3 * beyond:.3g} mm "
-                headline += "outside of what carries it"
-                more = {"value": 1e3 * beyond, "bound": 0.0, "unit": "mm"}
-                self._add(finding("scene/stack-unsteady", headline, **more), ("layout", "groups", name, "alignment"))
-        return tuple(stacks)
 
     def _body(
         self,

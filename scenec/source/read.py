@@ -13,9 +13,8 @@ from scenec.source.paired_materials.library import with_pairs
 from scenec.source.validate import validate
 from schemas.diagnostics import Diagnostic, any_error
 from schemas.scene.program import SceneProgram
-from source.include import load
+from source.include import read_tree
 from source.incremental_parse import IncrementalParser
-from source.merge import resolve_overlays
 from source.parse import parse
 from source.tree import Spans
 
@@ -42,14 +41,11 @@ def read_program(
     """
     inside = (root or path.parent).resolve()
     parse_file = parse if parser is None else parser.parse
-    tree, diagnostics = load(path, inside, parse_file, sections=SECTIONS)
+    tree, diagnostics = read_tree(path, inside, parse_file, sections=SECTIONS)
     if tree is None:  # perhaps for a path that cannot be resolved
         return ReadResult(None, Spans(None, path.name), diagnostics)
     name = path.resolve().relative_to(inside).as_posix()
-    rules: list[Diagnostic] = []
-    tree = resolve_overlays(tree, rules)
     spans = Spans(tree, name)
-    diagnostics = (*diagnostics, *rules)
     if any_error(diagnostics):
         return ReadResult(None, spans, diagnostics)
     program, more = validate(tree, spans, derivations)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from pydantic import ConfigDict
 
-from schemas.state_log import StateLog
 from schemas.task.scene_facts import SceneFacts
+from schemas.task.state_log import StateLog
 
 LOG_SUFFIX = ".statelog.npz"
 

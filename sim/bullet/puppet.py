@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from schemas.arrays import FloatArray
 from schemas.physics import RigidBody
-from schemas.state_log import GripperParts, StateLog
+from schemas.task.state_log import GripperParts, StateLog
 from sim.bullet.resets import BulletResets
 from sim.bullet.world import STEP_S, private_client
 

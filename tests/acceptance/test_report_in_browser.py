@@ -11,7 +11,7 @@ from assetkit.batch.report_file import FinishedBatch
 from schemas.diagnostics import finding
 from schemas.outcome import ItemOutcome
 from schemas.report import ReportItem
-from tests.support.browser import answer_of_page
+from tests.acceptance.browser import answer_of_page
 
 HOSTILE = [
     '</script><img src=x onerror="alert(1)">.obj',

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from schemas.state_log import StateLog
+from schemas.task.state_log import StateLog
 from tests.task.world import FRAMES, RATE_HZ, REST, logged, turned
 
 Kind = Literal["true", "almost", "hostile"]

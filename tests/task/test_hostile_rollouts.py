@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from schemas.arrays import BoolArray
-from schemas.state_log import StateLog
+from schemas.task.state_log import StateLog
 from task.evaluation import evaluate
 from task.graph import TaskGraph, TaskNode
 from task.predicates.protocol import Predicate

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from schemas.state_log import StateLog
+from schemas.task.state_log import StateLog
 from task.evaluation import LoggedConditions, evaluate
 from task.graph import TaskGraph, TaskNode
 from task.history import graph_history
@@ -15,22 +15,6 @@ from tests.task.samples import SAMPLES
 from tests.task.world import FRAMES, SCENE, logged
 
 GRAPHS = 150
-
-
-def row(log: StateLog, k: int) -> StateLog:
-    """One frame of a log."""
-    rows = slice(k, k + 1)
-    return StateLog(
-        log.t_s[rows],
-        log.bodies,
-        log.position_m[rows],
-        log.quat_wxyz[rows],
-        log.joints,
-        None if log.joint_position is None else log.joint_position[rows],
-        log.contact_pairs,
-        None if log.touching is None else log.touching[rows],
-        log.grippers,
-    )
 
 
 def shaken(seed: int) -> StateLog:
@@ -83,7 +67,7 @@ def test_online_and_offline_agree(first: int) -> None:
         graph, log = random_graph(seed), shaken(seed)
         history = graph_history(graph, log.t_s, LoggedConditions(graph, log, SCENE))
         online = OnlineJudge(graph, SCENE)
-        events = [(k, v) for k in range(len(log)) for v in online.step(row(log, k))]
+        events = [(k, v) for k in range(len(log)) for v in online.step(log.rows(k, k + 1))]
         assert events == list(history.events), seed
         assert online.state.failure == history.failure, seed
         assert online.state.success == (history.success_frame is not None), seed

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 
 from schemas.arrays import BoolArray
-from schemas.state_log import StateLog
+from schemas.task.state_log import StateLog
 from task.frames import Frames, StateMissing
 from task.predicates.protocol import CHANNELS, Predicate
 from task.predicates.table import PREDICATES, predicate_from

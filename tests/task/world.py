@@ -12,8 +12,8 @@ import numpy as np
 
 from schemas.anchors import AnchorPolygon, ContainmentVolume, SupportSurface
 from schemas.arrays import FloatArray
-from schemas.state_log import GripperParts, StateLog
 from schemas.task.scene_facts import ObjectFacts, SceneFacts
+from schemas.task.state_log import GripperParts, StateLog
 
 FRAMES, RATE_HZ = 60, 20.0
 LEVEL = (1.0, 0.0, 0.0, 0.0)

@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 
 from cli.main import app
 from schemas.files import array_files
-from schemas.state_log import StateLog
 from schemas.task.logged_scene import LOG_SUFFIX, LoggedScene
+from schemas.task.state_log import StateLog
 from tests.task.world import FRAMES, SCENE, logged
 
 TASK = """\

@@ -7,7 +7,7 @@ import pytest
 
 from geom.pose import pose
 from schemas.arrays import FloatArray
-from schemas.state_log import StateLog
+from schemas.task.state_log import StateLog
 from sim.bullet.puppet import HAND, RATE_HZ, Carry, Wait, puppet_log
 from tests.support.sample_bodies import box
 

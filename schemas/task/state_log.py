@@ -6,7 +6,7 @@ Frames: W world, z up; B body. Metres, radians, seconds, quaternions wxyz. Every
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -70,24 +70,32 @@ class StateLog:
             result.setdefault(other, {})[one] = column
         return result
 
+    def rows(self, first: int, last: int) -> StateLog:
+        """Frames [first, last) as a log."""
+        return replace(
+            self,
+            t_s=self.t_s[first:last],
+            position_m=self.position_m[first:last],
+            quat_wxyz=self.quat_wxyz[first:last],
+            joint_position=None if self.joint_position is None else self.joint_position[first:last],
+            touching=None if self.touching is None else self.touching[first:last],
+        )
+
     def faults(self) -> list[str]:
         """What is wrong with its shapes and values, a line each; empty for a sound log."""
         n, b = len(self.t_s), len(self.bodies)
-        shapes = {
-            "position_m": (self.position_m.shape, (n, b, 3)),
-            "quat_wxyz": (self.quat_wxyz.shape, (n, b, 4)),
-            "touching": (() if self.touching is None else self.touching.shape, (n, len(self.contact_pairs))),
-            "joint_position": (() if self.joint_position is None else self.joint_position.shape, (n, len(self.joints))),
-        }
-        if self.touching is None:
-            del shapes["touching"]
-        if self.joint_position is None and not self.joints:
-            del shapes["joint_position"]
+        arrays = {"position_m": (self.position_m, (n, b, 3)), "quat_wxyz": (self.quat_wxyz, (n, b, 4))}
+        if self.touching is not None:
+            arrays["touching"] = (self.touching, (n, len(self.contact_pairs)))
+        if self.joint_position is not None:
+            arrays["joint_position"] = (self.joint_position, (n, len(self.joints)))
         lines = [
-            f"{name} has the shape {shape}, not {expected}"
-            for name, (shape, expected) in shapes.items()
-            if shape != expected
+            f"{name} has the shape {array.shape}, not {expected}"
+            for name, (array, expected) in arrays.items()
+            if array.shape != expected
         ]
+        if self.joints and self.joint_position is None:
+            lines.append("it names joints and has no joint_position")
         if n == 0:
             lines.append("it has no frame")
         if lines:
