@@ -69,7 +69,7 @@ def show_command(
 @app.command("score")
 def score_command(
     task: TaskPath,
-    logs: Annotated[list[Path], typer.Argument(help="State logs, or recordings of episodes.", exists=True)],
+    logs: Annotated[list[Path], typer.Argument(help="State logs, recordings, folders of them.", exists=True)],
     out: Annotated[
         Path | None, typer.Option("--out", help="Folder for results (JSON), timelines and graphs (PNG).")
     ] = None,
@@ -88,14 +88,15 @@ def score_command(
 
     Example: `mana task score examples/tasks/stack_two_cubes.yaml demos/ --out judged`
     """
-    from cli.task.logs import logged_scenes
+    from cli.task.logs import log_files, logged_scenes
 
     file = _read(task, root, benchmark, as_json)
     results: list[tuple[str, EpisodeResult]] = []
     findings: list[Diagnostic] = []
-    for path in logs:
+    files = log_files(logs)
+    for path, prefix in files.items():
         try:
-            for logged in logged_scenes(path, meshes):
+            for logged in logged_scenes(path, prefix, meshes):
                 result, faults = _judged(file, logged)
                 findings += faults
                 if result is None:
@@ -104,7 +105,7 @@ def score_command(
                 if out is not None:
                     _write(file, logged.name, result, out)
                 if not as_json:
-                    _print_one(logged.name, result, brief=len(logs) > 1)
+                    _print_one(logged.name, result, brief=len(files) > 1)
         except InvalidInput as refused:
             findings.append(refused.diagnostic)
     if as_json:

@@ -22,7 +22,8 @@ class ObjectFacts:
     front       (3,) unit vector, its front; up (3,) its upright direction.
     volumes     insides of receptacles by name, `surfaces` places that carry things; the first is the main one.
     attributes  what a task may ask for, such as `colour: red`; `tags` are those of the scene program.
-    body        the body of the log; `bodies` of a volume or surface that moves with a link, by the anchor's name.
+    body        the body of the log; `bodies` of volumes and surfaces that move with a link, by the anchor's name. Such
+                an anchor is given in the frame of that body.
     """
 
     __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)

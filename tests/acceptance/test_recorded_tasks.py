@@ -78,6 +78,15 @@ def bin_rule(episode: Demonstration) -> np.ndarray:
     return result
 
 
+def test_a_folder_of_recordings_is_judged_and_others_are_named() -> None:
+    command = ["task", "score", str(EXAMPLES / "stack_two_cubes.yaml"), str(EPISODES), "--json"]
+    result = CliRunner().invoke(app, command)
+    document = json.loads(result.stdout)
+    assert result.exit_code == 1
+    assert [(each["episode"], each["success"]) for each in document["episodes"]] == [("panda_stack", True)]
+    assert {each["code"] for each in document["diagnostics"]} == {"task/unbound-role"}
+
+
 @pytest.mark.parametrize(
     ("recording", "task", "rule"),
     [

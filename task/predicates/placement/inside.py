@@ -11,11 +11,10 @@ from typing_extensions import override
 from schemas.arrays import BoolArray
 from task.frames import Frames
 from task.polygons import in_polygon, in_volume
-from task.predicates.placement.placed import Placed
+from task.predicates.placement.placed import LEAST_TIP_COSINE, Placed
 from task.predicates.protocol import Object, Share
 
 BELOW_FLOOR_M = 0.003  # rest of a contact, and of a floor that is measured in layers
-LEAST_TIP_COSINE = 0.5  # a receptacle tipped by more than 60 degrees holds nothing
 
 
 class Inside(Placed):

@@ -12,7 +12,7 @@ from schemas.arrays import BoolArray
 from task.frames import Frames
 from task.polygons import in_polygon
 from task.predicates.grip.grip import bodies_of
-from task.predicates.placement.placed import Placed
+from task.predicates.placement.placed import LEAST_TIP_COSINE, Placed
 from task.predicates.protocol import Metres, Object, Share
 
 SUNK_M = 0.005  # how far contacts of simulators sink in
@@ -47,7 +47,7 @@ class On(Placed):
         height = corners[..., 2]
         lowest = height.min(axis=1)
         there = (lowest <= self.gap_m) & (lowest >= -SUNK_M) & in_polygon(centre[:, 0], centre[:, 1], surface.polygon)
-        there &= frames.rotation(body)[:, 2, 2] > 0.5
+        there &= frames.rotation(body)[:, 2, 2] >= LEAST_TIP_COSINE
         if not there.any():
             return there
         base = height <= lowest[:, None] + LOWEST_M

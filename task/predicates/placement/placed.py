@@ -13,6 +13,8 @@ from task.frames import Frames
 from task.predicates.grip.grip import is_held
 from task.predicates.protocol import Instant
 
+LEAST_TIP_COSINE = 0.5  # what is tipped by more than 60 degrees holds and carries nothing
+
 
 class Placed(Instant):
     """A placement; while a gripper holds the object it does not count, so that no node completes before the release."""

@@ -104,6 +104,20 @@ def test_one_bad_log_does_not_keep_the_others_from_being_judged(tmp_path: Path) 
     assert [each["code"] for each in document["diagnostics"]] == ["task/invalid-log"]
 
 
+def test_a_folder_of_logs_is_judged_and_namesakes_keep_their_files(tmp_path: Path) -> None:
+    for folder, log in (("a", carried()), ("b", logged())):
+        (tmp_path / "logs" / folder).mkdir(parents=True)
+        saved(log, tmp_path / "logs" / folder)
+    out = tmp_path / "out"
+    code, document = run(tmp_path / "logs" / "a", tmp_path / "logs" / "b", "--out", out, folder=tmp_path)
+    assert code == 0
+    assert [(each["episode"], each["success"]) for each in document["episodes"]] == [
+        ("a_episode", True),
+        ("b_episode", False),
+    ]
+    assert {file.name for file in out.glob("*.json")} == {"a_episode.json", "b_episode.json"}
+
+
 def test_show_prints_and_draws_the_graph(tmp_path: Path) -> None:
     (tmp_path / "task.yaml").write_text(TASK)
     command = ["task", "show", str(tmp_path / "task.yaml"), "--out", str(tmp_path / "graph.png"), "--json"]
