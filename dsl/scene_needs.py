@@ -56,18 +56,17 @@ def missing_needs(graph: TaskGraph, program: SceneProgram, assets: Path | None) 
     frames = Frames(_one_frame(tuple(objects), joints), facts, 0, 1)
     unknown = {name for name, each in objects.items() if not each.known}
     lacking = (
-        Missing(node, words)
+        Missing(node, str(missing))
         for node, condition in _conditions(graph)
         for part in condition.parts()
-        if _is_decidable(part, unknown) and (words := _first_missing(part, frames)) is not None
+        if _is_of_the_scene(part) and (missing := _first_missing(part, frames)) and missing.about not in unknown
     )
     return tuple(dict.fromkeys(lacking))
 
 
-def _is_decidable(part: Predicate, unknown: set[str]) -> bool:
-    """Whether all objects of a condition are known. Robots are not; `$member` is none by itself."""
-    names = _named(part)
-    return unknown.isdisjoint(names) and MEMBER not in names and "home" not in part.channels()
+def _is_of_the_scene(part: Predicate) -> bool:
+    """Whether a condition reads objects of the scene alone: robots are not known, and `$member` is none by itself."""
+    return MEMBER not in set(part.objects()) and "home" not in part.channels()
 
 
 def scene_objects(program: SceneProgram, assets: Path | None) -> dict[str, Candidate]:
@@ -180,15 +179,9 @@ def _conditions(graph: TaskGraph) -> Iterable[tuple[str, Predicate]]:
         yield "", graph.failure
 
 
-def _named(part: Predicate) -> set[str]:
-    """Objects that a condition and its parts read, those of its joints too."""
-    joints = {str(value).partition("/")[0] for each in part.parts() if (value := each.model_dump().get("joint"))}
-    return {*part.objects(), *joints}
-
-
-def _first_missing(part: Predicate, frames: Frames) -> str | None:
+def _first_missing(part: Predicate, frames: Frames) -> StateMissing | None:
     try:
         part.values(frames, part.start())
     except StateMissing as missing:
-        return str(missing)
+        return missing
     return None

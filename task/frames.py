@@ -17,7 +17,11 @@ from schemas.task.state_log import StateLog
 
 
 class StateMissing(Exception):
-    """A log or scene lacks what a predicate reads; the text is one line that names it."""
+    """A log or scene lacks what a predicate reads; the text is one line that names it, `about` the object, if any."""
+
+    def __init__(self, text: str, about: str = "") -> None:
+        super().__init__(text)
+        self.about = about
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ class Frames:
         """The facts of an object. Raises StateMissing."""
         facts = self.scene.objects.get(name)
         if facts is None:
-            raise StateMissing(f"the scene has no object `{name}`")
+            raise StateMissing(f"there is no object `{name}`", name)
         return facts
 
     def position(self, body: str) -> FloatArray:
@@ -62,7 +66,7 @@ class Frames:
         """(n,) position of a joint (rad, m). Raises StateMissing."""
         column = self.log.joint_index.get(name)
         if column is None or self.log.joint_position is None:
-            raise StateMissing(f"the log has no joint `{name}`")
+            raise StateMissing(f"there is no joint `{name}`", name.partition("/")[0])
         return self.log.joint_position[self.first : self.last, column]
 
     def points(self, name: str) -> FloatArray:
@@ -84,7 +88,8 @@ class Frames:
         for each in facts.volumes:
             if volume in ("auto", each.anchor_id):
                 return each, facts.bodies.get(each.anchor_id, facts.body)
-        raise StateMissing(f"`{name}` has no volume `{volume}`; it has {_listed(v.anchor_id for v in facts.volumes)}")
+        have = _listed(each.anchor_id for each in facts.volumes)
+        raise StateMissing(f"`{name}` has no volume `{volume}`; it has {have}", name)
 
     def surface(self, name: str, surface: str) -> tuple[SupportSurface, str]:
         """A surface of an object by its name, `auto` the main one, and the body that carries it. Raises as `volume`."""
@@ -93,7 +98,7 @@ class Frames:
             if surface in ("auto", each.anchor_id):
                 return each, facts.bodies.get(each.anchor_id, facts.body)
         have = _listed(s.anchor_id for s in facts.surfaces)
-        raise StateMissing(f"`{name}` has no surface `{surface}`; it has {have}")
+        raise StateMissing(f"`{name}` has no surface `{surface}`; it has {have}", name)
 
     def in_anchor(self, points_W: FloatArray, anchor: SupportSurface | ContainmentVolume, body: str) -> FloatArray:
         """Points (n, k, 3) of W in the frame of an anchor whose frame has the axes of its body."""
@@ -103,7 +108,7 @@ class Frames:
     def touching(self, one: str, other: str) -> BoolArray:
         """(n,) whether two bodies touch. Raises StateMissing where contacts were not observed."""
         if self.log.touching is None:
-            raise StateMissing("the log has no contacts")
+            raise StateMissing("no contacts are recorded")
         column = self.log.contacts_of.get(one, {}).get(other)
         if column is None:
             return np.zeros(len(self), dtype=bool)
@@ -114,7 +119,7 @@ class Frames:
     ) -> BoolArray:
         """(n,) whether a body touches one of `others` (all bodies by default) that is not in `but`."""
         if self.log.touching is None:
-            raise StateMissing("the log has no contacts")
+            raise StateMissing("no contacts are recorded")
         result = np.zeros(len(self), dtype=bool)
         for name, column in self.log.contacts_of.get(body, {}).items():
             if name not in but and (others is None or name in others):
@@ -143,7 +148,7 @@ class Frames:
     def _column(self, body: str) -> int:
         column = self.log.body_index.get(body)
         if column is None:
-            raise StateMissing(f"the log has no body `{body}`")
+            raise StateMissing(f"there is no body `{body}`", body)
         return column
 
 

@@ -84,7 +84,10 @@ class StateLog:
     def faults(self) -> list[str]:
         """What is wrong with its shapes and values, a line each; empty for a sound log."""
         n, b = len(self.t_s), len(self.bodies)
-        arrays = {"position_m": (self.position_m, (n, b, 3)), "quat_wxyz": (self.quat_wxyz, (n, b, 4))}
+        arrays: dict[str, tuple[FloatArray | BoolArray, tuple[int, ...]]] = {
+            "position_m": (self.position_m, (n, b, 3)),
+            "quat_wxyz": (self.quat_wxyz, (n, b, 4)),
+        }
         if self.touching is not None:
             arrays["touching"] = (self.touching, (n, len(self.contact_pairs)))
         if self.joint_position is not None:

@@ -59,6 +59,13 @@ def test_what_is_not_known_lacks_nothing_and_inline_shapes_are_known(asset: str,
 def test_joints_and_conditions_within_others_are_checked(tmp_path: Path) -> None:
     assets = library(tmp_path, mug=True)
     joint = "{_func: dwell, for_s: 1, of: {_func: joint_at, joint: can/lid, at_least: 0.1}}"
-    assert found(joint, "mug", tmp_path, assets) == ["the log has no joint `can/lid`"]
+    assert found(joint, "mug", tmp_path, assets) == ["there is no joint `can/lid`"]
     counted = f"{{_func: counted, members: [cup], exactly: 1, where: {INSIDE.replace(repr('@pickable'), '$member')}}}"
     assert found(counted, INLINE, tmp_path, assets) == ["`can` has no volume `auto`; it has none"]
+
+
+def test_what_is_known_is_checked_beside_what_is_not(tmp_path: Path) -> None:
+    on = "{_func: on, object: cup, support: can, surface: lid}"
+    text = SOUND.replace(ONE, on).replace("{type: cylinder, radius_m: 0.04, height_m: 0.1}", "absent")
+    _, diagnostics = read_pipeline(write(text, tmp_path), assets=library(tmp_path, mug=True))
+    assert [str(d.value) for d in diagnostics] == ["`can` has no surface `lid`; it has top"]

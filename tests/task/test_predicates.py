@@ -79,9 +79,9 @@ def without(sample: Sample, channel: str) -> StateLog:
             {"_func": "on", "object": "red", "support": "blue", "surface": "lid"},
             "`blue` has no surface `lid`; it has top",
         ),
-        ({"_func": "upright", "object": "mug"}, "the scene has no object `mug`"),
-        ({"_func": "joint_at", "joint": "oven/door", "at_least": 1.0}, "the log has no joint `oven/door`"),
-        ({"_func": "home", "robot": "other"}, "the scene states no home position of other"),
+        ({"_func": "upright", "object": "mug"}, "there is no object `mug`"),
+        ({"_func": "joint_at", "joint": "oven/door", "at_least": 1.0}, "there is no joint `oven/door`"),
+        ({"_func": "home", "robot": "other"}, "there is no home position of other"),
         ({"_func": "matches_attribute", "object": "box", "attribute": "colour", "equals": "red"}, "it has none"),
     ],
 )

@@ -33,6 +33,6 @@ class MatchesAttribute(Instant):
         attributes = frames.facts(name).attributes
         if self.attribute not in attributes:
             raise StateMissing(
-                f"`{name}` has no attribute `{self.attribute}`; it has {', '.join(attributes) or 'none'}"
+                f"`{name}` has no attribute `{self.attribute}`; it has {', '.join(attributes) or 'none'}", name
             )
         return attributes[self.attribute]

@@ -30,7 +30,7 @@ class Home(Instant):
         start = "" if self.robot is None else f"{self.robot}/"
         joints = {name: q for name, q in frames.scene.home.items() if name.startswith(start)}
         if not joints:
-            raise StateMissing(f"the scene states no home position{f' of {self.robot}' if self.robot else ''}")
+            raise StateMissing(f"there is no home position{f' of {self.robot}' if self.robot else ''}")
         result = np.ones(len(frames), dtype=bool)
         for name, position in joints.items():
             bound = self.tolerance_m if name in self.sliding else self.tolerance
